@@ -1,0 +1,48 @@
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace depthscope {
+
+/// 3x3 matrix [v]x with [v]x w = v x w.
+inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+/// Rotation of |w| radians about w (Rodrigues).
+inline Eigen::Matrix3d expSO3(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  if (angle < 1e-12) return Eigen::Matrix3d::Identity() + skew(w);
+  return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
+}
+
+/// Rotation vector of R [rad], |w| <= pi.
+inline Eigen::Vector3d logSO3(const Eigen::Matrix3d& R) {
+  const Eigen::AngleAxisd a(R);
+  return a.angle() * a.axis();
+}
+
+/// A rigid transform. `T_a_b` takes a point of frame b into frame a: p_a = T_a_b * p_b; chains read
+/// off: T_a_c = T_a_b * T_b_c. Camera frames: x right, y down, z forward. Length unit: the map's.
+struct Pose {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d t = Eigen::Vector3d::Zero();
+
+  Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return R * p + t; }
+  Pose operator*(const Pose& b) const { return {R * b.R, R * b.t + t}; }
+  Pose inverse() const { return {R.transpose(), -(R.transpose() * t)}; }
+
+  /// Left update by a small motion (rotation w [rad], translation v): {exp(w), v} * (*this), R kept
+  /// orthonormal.
+  Pose retract(const Eigen::Vector3d& w, const Eigen::Vector3d& v) const {
+    const Eigen::Matrix3d dR = expSO3(w);
+    return {Eigen::Quaterniond(dR * R).normalized().toRotationMatrix(), dR * t + v};
+  }
+  Eigen::Quaterniond quaternion() const { return Eigen::Quaterniond(R).normalized(); }
+  bool allFinite() const { return R.allFinite() && t.allFinite(); }
+};
+
+}  // namespace depthscope

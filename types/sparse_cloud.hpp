@@ -1,0 +1,25 @@
+#pragma once
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "types/pose.hpp"
+
+namespace depthscope {
+
+/// A map point as reconstruction sees it, in the world frame of its map.
+struct SparsePoint {
+  Eigen::Vector3f position;
+  Eigen::Vector3f view_direction;    // unit, from the point towards the mean of the cameras that saw it
+  std::int32_t observations = 0;     // keyframes that observe it
+  float reprojection_error_px = 0;   // root mean square over its observations
+};
+
+/// What the tracker hands to reconstruction: a copy, so that neither waits for the other.
+struct SparseCloud {
+  std::uint32_t map_id = 0;
+  std::vector<SparsePoint> points;
+  std::vector<Pose> keyframes_T_camera_world;
+};
+
+}  // namespace depthscope

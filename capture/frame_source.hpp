@@ -1,0 +1,49 @@
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <string_view>
+
+#include "capture/frame.hpp"
+
+namespace depthscope::capture {
+
+/// What a source has to say instead of, or besides, a picture. Each fault has a picture of its own on
+/// the display.
+enum class SourceStatus : std::uint8_t {
+  Ok,               // a frame is there
+  Timeout,          // nothing came within the time given
+  EndOfStream,      // a clip is over
+  NoDevice,
+  NoCable,
+  NoSignal,
+  UnstableSync,
+  UnsupportedMode,
+  PermissionDenied,
+  ReadError,
+};
+
+/// Short English name of a status, for logs and the status mark, e.g. "no signal".
+std::string_view toString(SourceStatus status);
+
+struct ReadResult {
+  SourceStatus status = SourceStatus::Timeout;
+  Frame frame;                  // not empty exactly when status is Ok
+  bool format_changed = false;  // this frame's format differs from the one before
+};
+
+/// Where pictures come from: a capture card, a clip, a folder of images. Used from one thread.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  /// The next picture. Live sources hand out the newest and drop older ones; waits at most `timeout`.
+  /// After start-up it never throws: faults come as a status, and reading may go on after them.
+  virtual ReadResult read(std::chrono::nanoseconds timeout) = 0;
+  /// Format of the next picture as far as it is known.
+  virtual FrameFormat format() const = 0;
+  /// Nominal rate [1/s]; 0 when unknown.
+  virtual double fps() const = 0;
+  /// Pictures the source itself skipped so far because newer ones were there.
+  virtual std::uint64_t skipped() const = 0;
+};
+
+}  // namespace depthscope::capture

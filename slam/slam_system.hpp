@@ -1,0 +1,69 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "slam/slam_settings.hpp"
+#include "types/camera_model.hpp"
+#include "types/image_view.hpp"
+#include "types/sparse_cloud.hpp"
+#include "types/tracking.hpp"
+
+namespace depthscope::slam {
+
+/// Who runs the mapper: the caller of track(), before it returns (same input, same output), or a thread
+/// of its own (live).
+enum class MappingMode { Lockstep, Threaded };
+
+/// Milliseconds the last call of track() spent; `map_ms` is the mapper's work for the last keyframe, and
+/// is negative when no keyframe was processed since the call before.
+struct StageTimes {
+  double extract_ms = 0;
+  double track_ms = 0;  // whole of tracking, extraction included, mapping excluded
+  double map_ms = -1;
+};
+
+struct SlamStatistics {
+  int keyframes = 0;
+  int map_points = 0;
+  int maps = 0;             // maps started so far
+  int lost_events = 0;
+  int relocalizations = 0;
+  int loops_closed = 0;
+  std::size_t map_bytes = 0;  // memory allocated at start for the map and its workspaces
+};
+
+struct StampedPose {
+  std::int64_t frame = 0;
+  double timestamp_s = 0;
+  Pose T_world_camera;
+};
+
+/// Monocular ORB SLAM in fixed memory: all storage is allocated by the constructor. track() is called
+/// from one thread; the const functions may be called from others at the same time.
+class SlamSystem {
+ public:
+  /// `camera.width/height` is the size of the pictures that track() will get.
+  SlamSystem(const CameraModel& camera, const SlamSettings& settings, MappingMode mode);
+  ~SlamSystem();
+
+  /// Tracks one luma picture. `frame` grows from call to call (gaps allowed).
+  PoseEstimate track(const GrayView& image, std::int64_t frame, double timestamp_s);
+
+  StageTimes lastTimes() const;
+  SlamStatistics statistics() const;
+  /// Copies points and keyframe poses of the active map into `out`, whose capacity is reused.
+  void copyCloud(SparseCloud& out) const;
+  /// Poses of the last `trajectory_frames` tracked frames of the active map, as corrected by everything
+  /// learnt since, in order of time.
+  std::vector<StampedPose> correctedTrajectory() const;
+  /// Forgets everything and starts over.
+  void reset();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace depthscope::slam

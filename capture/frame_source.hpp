@@ -1,18 +1,19 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "capture/frame.hpp"
 
 namespace depthscope::capture {
 
-/// What a source has to say instead of, or besides, a picture. Each fault has a picture of its own on
-/// the display.
+/// What a source has to say instead of, or besides, a picture. Each fault has a picture of its own
+/// on the display.
 enum class SourceStatus : std::uint8_t {
-  Ok,               // a frame is there
-  Timeout,          // nothing came within the time given
-  EndOfStream,      // a clip is over
+  Ok,           // a frame is there
+  Timeout,      // nothing came within the time given
+  EndOfStream,  // a clip is over
   NoDevice,
   NoCable,
   NoSignal,
@@ -35,8 +36,9 @@ struct ReadResult {
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  /// The next picture. Live sources hand out the newest and drop older ones; waits at most `timeout`.
-  /// After start-up it never throws: faults come as a status, and reading may go on after them.
+  /// The next picture. Live sources hand out the newest and drop older ones; waits at most
+  /// `timeout`. After start-up it never throws: faults come as a status, and reading may go on
+  /// after them.
   virtual ReadResult read(std::chrono::nanoseconds timeout) = 0;
   /// Format of the next picture as far as it is known.
   virtual FrameFormat format() const = 0;
@@ -44,6 +46,10 @@ class FrameSource {
   virtual double fps() const = 0;
   /// Pictures the source itself skipped so far because newer ones were there.
   virtual std::uint64_t skipped() const = 0;
+  /// One line on what was found damaged in what was read so far (concealed pictures, unreadable
+  /// packets, a clip that breaks off before its announced end); empty when nothing was. A damaged
+  /// clip still ends with EndOfStream, so a program asks here before it calls the clip complete.
+  virtual std::string damage() const { return {}; }
 };
 
 }  // namespace depthscope::capture

@@ -1,0 +1,146 @@
+// The list of all configuration keys. To add one: add the field to its module's settings struct, and
+// one line here.
+#include "platform/config/setting_table.hpp"
+
+namespace depthscope::platform {
+namespace {
+
+class Binder {
+ public:
+  /// Keys that follow belong to this section.
+  void section(std::string_view name) { section_ = name; }
+
+  template <class T>
+  void number(std::string_view name, T& field, double min, double max, std::string_view doc) {
+    table_.push_back({path(name), &field, min, max, doc});
+  }
+  void flag(std::string_view name, bool& field, std::string_view doc) {
+    table_.push_back({path(name), &field, 0, 0, doc});
+  }
+  void text(std::string_view name, std::string& field, std::string_view doc) {
+    table_.push_back({path(name), &field, 0, 0, doc});
+  }
+  /// `names` in the order of the enumerators.
+  template <class Enum>
+  void choice(std::string_view name, Enum& field, std::vector<std::string_view> names,
+              std::string_view doc) {
+    ChoiceField choice{std::move(names), [&field] { return static_cast<std::size_t>(field); },
+                       [&field](std::size_t i) { field = static_cast<Enum>(i); }};
+    table_.push_back({path(name), std::move(choice), 0, 0, doc});
+  }
+  std::vector<Setting> take() { return std::move(table_); }
+
+ private:
+  std::string path(std::string_view name) const { return section_ + "." + std::string(name); }
+  std::string section_;
+  std::vector<Setting> table_;
+};
+
+void bindCapture(Binder& b, CaptureSettings& s) {
+  b.section("capture");
+  b.text("input", s.input, "video file or folder of images that stands for the endoscope");
+  b.text("camera", s.camera, "camera file, as depthscope calibrate writes it");
+  b.flag("loop", s.loop, "play the clip again at its end; without it the daemon ends with the clip");
+  b.number("fps", s.fps, 0, 240, "pictures a second; 0: the camera file's, else the clip's own");
+  b.number("buffers", s.buffers, 3, 32, "pictures in the capture pool");
+  b.text("faults", s.faults, "fault script to act out; empty: none");
+}
+
+void bindSlam(Binder& b, slam::SlamSettings& s) {
+  b.section("slam.extractor");
+  b.number("features", s.extractor.features, 100, 10000, "features kept per frame, over all levels");
+  b.number("levels", s.extractor.levels, 1, 12, "pyramid levels");
+  b.number("scale_factor", s.extractor.scale_factor, 1.05, 2, "between pyramid levels");
+  b.number("fast_threshold", s.extractor.fast_threshold, 1, 255, "[grey levels] first try in each cell");
+  b.number("fast_threshold_min", s.extractor.fast_threshold_min, 1, 255, "[grey levels] where the first finds nothing");
+  b.number("specular_threshold", s.extractor.specular_threshold, 1, 256, "[grey levels] at or above: saturated, not tissue");
+  b.number("dark_threshold", s.extractor.dark_threshold, -1, 254, "[grey levels] at or below: outside the round field of view");
+
+  b.section("slam.capacity");
+  b.number("keyframes", s.capacity.keyframes, 16, 4096, "keyframes the map has room for");
+  b.number("map_points", s.capacity.map_points, 1000, 500000, "points the map has room for");
+  b.number("observations_per_point", s.capacity.observations_per_point, 4, 256, "keyframes that may observe one point");
+  b.number("local_points", s.capacity.local_points, 500, 100000, "points looked for in one frame");
+
+  b.section("slam.matching");
+  b.number("search_region", s.matching.search_region, 0.1, 10, "factor on all search radii");
+  b.number("motion_radius_px", s.matching.motion_radius_px, 1, 200, "around the predicted position, from the last frame");
+  b.number("map_radius_px", s.matching.map_radius_px, 1, 200, "around a projected map point");
+  b.number("hamming_strict", s.matching.hamming_strict, 1, 256, "[bits] new points, relocalization");
+  b.number("hamming_loose", s.matching.hamming_loose, 1, 256, "[bits] guided by a pose");
+  b.number("ratio", s.matching.ratio, 0.1, 1, "best over second best distance");
+
+  b.section("slam.initializer");
+  b.number("min_matches", s.initializer.min_matches, 8, 10000, "matches between the two views");
+  b.number("search_radius_px", s.initializer.search_radius_px, 1, 2000, "around the feature's place in the first view");
+  b.number("min_parallax_deg", s.initializer.min_parallax_deg, 0.01, 45, "median over the new points");
+  b.number("min_points", s.initializer.min_points, 8, 10000, "points a new map starts with");
+
+  b.section("slam.tracker");
+  b.number("min_motion_inliers", s.tracker.min_motion_inliers, 3, 10000, "fewer: try the reference keyframe");
+  b.number("min_inliers", s.tracker.min_inliers, 3, 10000, "fewer in the local map: lost");
+  b.number("min_inliers_relocalized", s.tracker.min_inliers_relocalized, 3, 10000, "needed to be found again");
+  b.number("local_keyframes", s.tracker.local_keyframes, 1, 1000, "that a frame's local map is made from");
+  b.number("keyframe_ratio", s.tracker.keyframe_ratio, 0, 1, "new keyframe below this share of the reference's points");
+  b.number("max_keyframe_gap_s", s.tracker.max_keyframe_gap_s, 0.01, 60, "new keyframe after this time at the latest");
+
+  b.section("slam.mapper");
+  b.number("neighbours", s.mapper.neighbours, 1, 100, "keyframes to triangulate with");
+  b.number("max_parallax_cos", s.mapper.max_parallax_cos, 0.5, 1, "rays closer than this make no point");
+  b.number("triangulation_chi2", s.mapper.triangulation_chi2, 0.01, 100, "squared reprojection error over variance");
+  b.number("window_keyframes", s.mapper.window_keyframes, 2, 200, "free in local bundle adjustment");
+  b.number("window_fixed", s.mapper.window_fixed, 0, 500, "fixed around them");
+  b.number("iterations", s.mapper.iterations, 1, 100, "of local bundle adjustment");
+  b.number("redundancy", s.mapper.redundancy, 0.1, 1, "share of points seen elsewhere that makes a keyframe redundant");
+}
+
+void bindRecon(Binder& b, recon::ReconSettings& s) {
+  b.section("recon");
+  b.number("period_s", s.period_s, 0, 3600, "a new surface this often; 0: only on demand");
+  b.number("min_points", s.min_points, 10, 1000000, "fewer: no surface is attempted");
+}
+
+void bindOverlay(Binder& b, overlay::OverlaySettings& s) {
+  b.section("overlay");
+  b.choice("cue", s.cue, {"off", "chromadepth", "mesh"}, "how depth is shown");
+  b.number("opacity", s.opacity, 0, 1, "of the cue over the picture");
+  b.flag("inset", s.inset, "the turned-aside view of the mesh in a corner");
+  b.flag("labels", s.labels, "show labels");
+  b.number("max_age_ms", s.max_age_ms, 10, 1000, "an overlay older than this is gone; it fades before");
+  b.number("label_height_px", s.label_height_px, 0, 400, "0: from the picture's height");
+}
+
+void bindDisplay(Binder& b, DisplaySettings& s) {
+  b.section("display");
+  b.choice("kind", s.kind, {"null", "file"}, "where the pictures go");
+  b.text("path", s.path, "video file to write, for kind \"file\"");
+}
+
+void bindDaemon(Binder& b, DaemonSettings& s) {
+  b.section("daemon");
+  b.text("control_socket", s.control_socket, "where depthscope status and the like connect to");
+  b.text("state_dir", s.state_dir, "folder for snapshots");
+  b.text("ar_program", s.ar_program, "the AR process; empty: depthscope-ar beside depthscoped");
+  b.number("realtime_priority", s.realtime_priority, 0, 99, "SCHED_FIFO priority of the video loop; 0: ordinary");
+  b.flag("lock_memory", s.lock_memory, "keep all pages of the video process in memory");
+  b.number("restart_min_s", s.restart_min_s, 0.01, 60, "first wait before the AR process is started again");
+  b.number("restart_max_s", s.restart_max_s, 0.01, 600, "the wait doubles up to this");
+  b.number("heartbeat_timeout_s", s.heartbeat_timeout_s, 0.5, 600, "an AR process silent for longer is killed and started again");
+  b.number("max_vertices", s.max_vertices, 1000, 4000000, "room for a surface in shared memory");
+  b.number("max_triangles", s.max_triangles, 1000, 8000000, "room for a surface in shared memory");
+}
+
+}  // namespace
+
+std::vector<Setting> settingTable(Settings& settings) {
+  Binder binder;
+  bindCapture(binder, settings.capture);
+  bindSlam(binder, settings.slam);
+  bindRecon(binder, settings.recon);
+  bindOverlay(binder, settings.overlay);
+  bindDisplay(binder, settings.display);
+  bindDaemon(binder, settings.daemon);
+  return binder.take();
+}
+
+}  // namespace depthscope::platform

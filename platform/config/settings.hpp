@@ -1,0 +1,52 @@
+#pragma once
+#include <string>
+
+#include "overlay/overlay_settings.hpp"
+#include "recon/recon_settings.hpp"
+#include "slam/slam_settings.hpp"
+
+namespace depthscope::platform {
+
+/// Where the daemon's pictures come from.
+struct CaptureSettings {
+  std::string input;      // video file or folder of images
+  std::string camera;     // camera file
+  bool loop = true;       // play the clip again at its end; without it the daemon ends with the clip
+  double fps = 0;         // [1/s] overrides the clip's rate; 0: the camera file's, else the clip's own
+  int buffers = 6;        // pool of pictures
+  std::string faults;     // fault script to act out; empty: none
+};
+
+enum class DisplayKind { Null, File };
+
+/// Where the daemon's pictures go to.
+struct DisplaySettings {
+  DisplayKind kind = DisplayKind::Null;
+  std::string path;       // video file to write, for kind "file"
+};
+
+/// The daemon itself: control, supervision, priority.
+struct DaemonSettings {
+  std::string control_socket = "/run/depthscope/control.sock";
+  std::string state_dir = "/var/lib/depthscope";  // snapshots go here
+  std::string ar_program;           // the AR process; empty: depthscope-ar beside depthscoped
+  int realtime_priority = 50;       // SCHED_FIFO priority of the video loop; 0: ordinary
+  bool lock_memory = true;          // keep all pages of the video process in memory
+  double restart_min_s = 0.2;       // first wait before the AR process is started again
+  double restart_max_s = 10;        // the wait doubles up to this
+  double heartbeat_timeout_s = 10;  // an AR process silent for longer is killed and started again
+  int max_vertices = 120000;        // room for a surface in shared memory
+  int max_triangles = 240000;
+};
+
+/// Everything that can be configured, one struct a module, defaults in place.
+struct Settings {
+  CaptureSettings capture;
+  slam::SlamSettings slam;
+  recon::ReconSettings recon;
+  overlay::OverlaySettings overlay;
+  DisplaySettings display;
+  DaemonSettings daemon;
+};
+
+}  // namespace depthscope::platform

@@ -1,0 +1,42 @@
+#pragma once
+#include <charconv>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace depthscope::platform {
+
+/// Priorities of syslog, as the journal knows them.
+enum class LogPriority { Error = 3, Warning = 4, Notice = 5, Info = 6, Debug = 7 };
+
+/// One key=value of a log line.
+struct LogField {
+  std::string_view key;
+  std::string value;
+
+  LogField(std::string_view k, std::string_view v) : key(k), value(v) {}
+  LogField(std::string_view k, const char* v) : key(k), value(v) {}
+  LogField(std::string_view k, const std::string& v) : key(k), value(v) {}
+  template <class T>
+    requires std::is_arithmetic_v<T>
+  LogField(std::string_view k, T v) : key(k) {
+    if constexpr (std::is_same_v<T, bool>) {
+      value = v ? "true" : "false";
+    } else {
+      char buffer[32];
+      value.assign(buffer, std::to_chars(buffer, buffer + sizeof buffer, v).ptr);
+    }
+  }
+};
+
+/// Writes one line to stderr: `message key=value ...`, in one write, so that lines of several threads do
+/// not mix; values with spaces are quoted, control characters replaced. Under the journal
+/// (JOURNAL_STREAM is set) the line starts with its priority as sd-daemon(3) defines it.
+void log(LogPriority priority, std::string_view message, std::initializer_list<LogField> fields = {});
+
+/// The line that log() writes, without the newline.
+std::string formatLogLine(LogPriority priority, std::string_view message, std::initializer_list<LogField> fields,
+                          bool journal);
+
+}  // namespace depthscope::platform

@@ -1,0 +1,134 @@
+#pragma once
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "slam/features.hpp"
+#include "slam/projection.hpp"
+#include "slam/slam_settings.hpp"
+#include "types/pose.hpp"
+
+namespace depthscope::slam {
+
+using PointId = std::int32_t;
+using KeyframeId = std::int32_t;
+inline constexpr std::int32_t kNone = -1;
+
+/// A point as somebody outside the map remembers it: its slot may since have been given to another.
+struct PointRef {
+  PointId id = kNone;
+  std::uint32_t generation = 0;
+};
+
+struct Observation {
+  KeyframeId keyframe = kNone;
+  std::int32_t feature = kNone;  // index into the keyframe's features
+};
+
+/// A landmark. Distances and directions are in the map's unit and world frame.
+struct MapPoint {
+  bool alive = false;
+  std::uint32_t generation = 0;        // of this slot; grows when the slot is freed
+  PointRef replaced_by;                // after a merge: where this point lives on
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // mean direction from the cameras to the point, unit
+  float min_distance = 0, max_distance = 0;          // range in which its pyramid levels can see it
+  Descriptor descriptor;               // the observation's nearest to all the others
+  std::int64_t born_serial = 0;        // serial of the keyframe that made it
+  std::int32_t visible = 0, found = 0; // frames in which it should have been, and was, seen
+  std::int32_t observation_count = 0;
+};
+
+struct Keyframe {
+  bool alive = false;
+  std::int64_t serial = 0;             // order of creation, never reused
+  std::int64_t frame = 0;
+  double timestamp_s = 0;
+  Pose T_camera_world;
+  FeatureSet features;
+  std::vector<PointId> points;         // per feature, kNone where it observes none
+};
+
+/// Keyframes, points and who sees whom, in fixed-capacity arrays addressed by index. One thread, the
+/// mapper's (or the tracker's while there is no map), changes it and holds `mutex` while it does; others hold
+/// `mutex` while they read. The writer may read without it. Nothing is allocated after construction.
+class Map {
+ public:
+  Map(const SlamSettings& settings, const CameraModel& camera);
+
+  std::mutex mutex;
+
+  /// Forgets all keyframes and points; `id` grows.
+  void clear();
+  std::uint32_t id() const { return id_; }
+
+  /// A free slot, or kNone when full. Keyframe features are copied in.
+  KeyframeId addKeyframe(const FeatureSet& features, const Pose& T_camera_world, std::int64_t frame,
+                         double timestamp_s);
+  PointId addPoint(const Eigen::Vector3d& position, std::int64_t born_serial);
+  void removeKeyframe(KeyframeId id);  // with every observation it holds; points left with < 2 go too
+  void removePoint(PointId id);
+  /// All observations of `from` pass to `into` (where the keyframe does not see both), `from` goes.
+  void mergePoints(PointId from, PointId into);
+
+  /// Records that `feature` of `keyframe` sees `point`; false when either is taken or the point is full.
+  bool observe(PointId point, KeyframeId keyframe, int feature);
+  void unobserve(PointId point, KeyframeId keyframe);
+  /// Recomputes descriptor, normal and distance range from the observations.
+  void refreshPoint(PointId id);
+  /// Normal and distance range alone, after poses or positions have moved.
+  void refreshGeometry(PointId id);
+
+  std::span<const Observation> observations(PointId id) const;
+  bool isObservedBy(PointId point, KeyframeId keyframe) const;
+  /// The live point behind a reference, through merges; kNone when it is gone.
+  PointId resolve(PointRef ref) const;
+  PointRef ref(PointId id) const { return {id, points_[id].generation}; }
+
+  MapPoint& point(PointId id) { return points_[id]; }
+  const MapPoint& point(PointId id) const { return points_[id]; }
+  Keyframe& keyframe(KeyframeId id) { return keyframes_[id]; }
+  const Keyframe& keyframe(KeyframeId id) const { return keyframes_[id]; }
+  int keyframeCapacity() const { return static_cast<int>(keyframes_.size()); }
+  int pointCapacity() const { return static_cast<int>(points_.size()); }
+  int keyframeCount() const { return keyframe_count_; }
+  int pointCount() const { return point_count_; }
+  bool keyframesFull() const { return free_keyframes_.empty(); }
+  std::int64_t nextSerial() const { return next_serial_; }
+  /// One past the largest slot ever used; live ids are below it.
+  int pointEnd() const { return point_end_; }
+  const Intrinsics& intrinsics() const { return intrinsics_; }
+
+  /// Votes: into `votes[k]` the number of points that `id` shares with keyframe k (size keyframeCapacity()).
+  void countShared(KeyframeId id, std::span<int> votes) const;
+  /// Median depth [map unit] of the points a keyframe sees, in its camera; <= 0 when it sees none.
+  double medianDepth(KeyframeId id);
+  /// Multiplies the unit of length of the whole map.
+  void rescale(double factor);
+
+  float scaleOf(int octave) const { return scales_[octave]; }
+  int levels() const { return static_cast<int>(scales_.size()); }
+  /// Pyramid level at which a point at `distance` is expected.
+  int predictLevel(const MapPoint& point, double distance) const;
+  std::size_t bytes() const;
+
+ private:
+  void dropObservation(PointId point, KeyframeId keyframe);
+
+  Intrinsics intrinsics_;
+  std::uint32_t id_ = 0;
+  std::vector<Keyframe> keyframes_;
+  std::vector<MapPoint> points_;
+  std::vector<Observation> observations_;  // observations_per_point slots for each point
+  int observations_per_point_;
+  std::vector<KeyframeId> free_keyframes_;
+  std::vector<PointId> free_points_;
+  std::vector<float> scales_;
+  double log_scale_factor_;
+  std::vector<double> depth_scratch_;
+  std::int64_t next_serial_ = 0;
+  int keyframe_count_ = 0, point_count_ = 0, point_end_ = 0;
+};
+
+}  // namespace depthscope::slam

@@ -1,0 +1,100 @@
+#include "slam/map_culler.hpp"
+
+#include <algorithm>
+#include <mutex>
+
+namespace depthscope::slam {
+
+namespace {
+constexpr double kMinFoundShare = 0.25;  // of the frames in which a point was predicted visible
+constexpr int kMinObservations = 3;      // after two more keyframes
+constexpr int kOtherObservers = 3;       // that make an observation redundant
+}  // namespace
+
+MapCuller::MapCuller(const SlamSettings& settings, Map& map, Trajectory& trajectory)
+    : settings_(settings.mapper),
+      points_needed_(2 * settings.extractor.features),
+      map_(map),
+      trajectory_(trajectory) {
+  votes_.resize(settings.capacity.keyframes);
+}
+
+void MapCuller::cullRecentPoints(std::vector<PointRef>& recent, std::int64_t current_serial) {
+  const std::lock_guard lock(map_.mutex);
+  std::size_t kept = 0;
+  for (const PointRef& ref : recent) {
+    if (map_.resolve(ref) != ref.id) continue;  // gone, or merged into an older point
+    const MapPoint& p = map_.point(ref.id);
+    const std::int64_t age = current_serial - p.born_serial;
+    if (p.visible > 0 && p.found < kMinFoundShare * p.visible) {
+      map_.removePoint(ref.id);
+    } else if (age >= 2 && p.observation_count < kMinObservations) {
+      map_.removePoint(ref.id);
+    } else if (age < 3) {
+      recent[kept++] = ref;
+    }
+  }
+  recent.resize(kept);
+}
+
+double MapCuller::redundancy(KeyframeId id) const {
+  const Keyframe& k = map_.keyframe(id);
+  int points = 0, redundant = 0;
+  for (int f = 0; f < k.features.size(); ++f) {
+    const PointId p = k.points[f];
+    if (p == kNone) continue;
+    ++points;
+    if (map_.point(p).observation_count <= kOtherObservers) continue;
+    const int octave = k.features.keypoints[f].octave;
+    int others = 0;
+    for (const Observation& o : map_.observations(p)) {
+      if (o.keyframe == id) continue;
+      others += map_.keyframe(o.keyframe).features.keypoints[o.feature].octave <= octave + 1;
+    }
+    redundant += others >= kOtherObservers;
+  }
+  return points == 0 ? 1 : static_cast<double>(redundant) / points;
+}
+
+void MapCuller::cullKeyframes(std::span<const KeyframeId> candidates) {
+  for (const KeyframeId k : candidates) {
+    const std::lock_guard lock(map_.mutex);
+    if (map_.keyframe(k).alive && map_.keyframeCount() > 3 && redundancy(k) > settings_.redundancy) remove(k);
+  }
+}
+
+void MapCuller::makeRoom(KeyframeId keep) {
+  const std::lock_guard lock(map_.mutex);
+  while (map_.keyframeCount() > 3 &&
+         (map_.keyframesFull() || map_.pointCapacity() - map_.pointCount() < points_needed_)) {
+    KeyframeId least = kNone;
+    double most_redundant = -1;
+    for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k) {
+      if (!map_.keyframe(k).alive || k == keep) continue;
+      const double r = redundancy(k);
+      if (r < most_redundant || (r == most_redundant && map_.keyframe(k).serial > map_.keyframe(least).serial)) continue;
+      most_redundant = r;
+      least = k;
+    }
+    remove(least);
+  }
+}
+
+void MapCuller::remove(KeyframeId id) {
+  map_.countShared(id, votes_);
+  KeyframeId heir = static_cast<KeyframeId>(std::max_element(votes_.begin(), votes_.end()) - votes_.begin());
+  if (votes_[heir] == 0) {  // sees nothing that others see: any other keyframe will do, the nearest in time best
+    std::int64_t nearest = -1;
+    for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k) {
+      if (!map_.keyframe(k).alive || k == id) continue;
+      const std::int64_t gap = std::abs(map_.keyframe(k).serial - map_.keyframe(id).serial);
+      if (nearest >= 0 && gap >= nearest) continue;
+      nearest = gap;
+      heir = k;
+    }
+  }
+  trajectory_.rebase(map_, id, heir);
+  map_.removeKeyframe(id);
+}
+
+}  // namespace depthscope::slam

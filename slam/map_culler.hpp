@@ -1,0 +1,35 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "slam/map.hpp"
+#include "slam/trajectory.hpp"
+
+namespace depthscope::slam {
+
+/// Keeps the map lean and within its capacity (Mur-Artal et al. 2015, sections VI.B and VI.E). Locks the map's mutex.
+class MapCuller {
+ public:
+  MapCuller(const SlamSettings& settings, Map& map, Trajectory& trajectory);
+
+  /// Drops of the recently created points those that were seldom found where they should have been seen, or
+  /// that too few keyframes came to see; forgets those that passed.
+  void cullRecentPoints(std::vector<PointRef>& recent, std::int64_t current_serial);
+  /// Removes those of `candidates` nearly all of whose points at least three others see as well or better.
+  void cullKeyframes(std::span<const KeyframeId> candidates);
+  /// Frees a keyframe slot, and enough point slots, by dropping the most redundant keyframes, the oldest first
+  /// among equals; never `keep`.
+  void makeRoom(KeyframeId keep);
+
+ private:
+  double redundancy(KeyframeId id) const;
+  void remove(KeyframeId id);
+
+  MapperSettings settings_;
+  int points_needed_;  // free point slots to keep
+  Map& map_;
+  Trajectory& trajectory_;
+  std::vector<int> votes_;
+};
+
+}  // namespace depthscope::slam

@@ -1,0 +1,146 @@
+#include "slam/mapper.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "types/allocation_scope.hpp"
+
+namespace depthscope::slam {
+
+Mapper::Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map, Trajectory& trajectory,
+               MappingMode mode)
+    : settings_(settings),
+      map_(map),
+      mode_(mode),
+      creator_(settings, map),
+      fuser_(settings, map),
+      bundle_(settings, map),
+      culler_(settings, map, trajectory) {
+  const int features = settings.extractor.features;
+  recent_.reserve(settings.capacity.map_points);
+  votes_.resize(settings.capacity.keyframes);
+  neighbours_.reserve(settings.capacity.keyframes);
+  window_.reserve(settings.capacity.keyframes);
+  for (KeyframeRequest* r : {&waiting_, &current_}) {
+    r->features = FeatureSet(features, camera);
+    r->points.reserve(features);
+  }
+  if (mode_ == MappingMode::Threaded) thread_ = std::thread([this] { run(); });
+}
+
+Mapper::~Mapper() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(queue_mutex_);
+    quit_ = true;
+  }
+  interrupt_ = true;
+  queue_changed_.notify_all();
+  thread_.join();
+}
+
+bool Mapper::idle() const {
+  const std::lock_guard lock(queue_mutex_);
+  return !has_waiting_ && !busy_;
+}
+
+bool Mapper::submit(const FeatureSet& features, std::span<const PointRef> points, const Pose& T_camera_world,
+                    std::int64_t frame, double timestamp_s) {
+  {
+    const std::lock_guard lock(queue_mutex_);
+    if (has_waiting_) return false;
+    waiting_.features = features;
+    waiting_.points.assign(points.begin(), points.end());
+    waiting_.T_camera_world = T_camera_world;
+    waiting_.frame = frame;
+    waiting_.timestamp_s = timestamp_s;
+    has_waiting_ = mode_ == MappingMode::Threaded;
+    interrupt_ = has_waiting_;
+  }
+  if (mode_ == MappingMode::Lockstep)
+    process(waiting_);
+  else
+    queue_changed_.notify_all();
+  return true;
+}
+
+void Mapper::run() {
+  const AllocationScope no_allocations;
+  while (true) {
+    {
+      std::unique_lock lock(queue_mutex_);
+      queue_changed_.wait(lock, [this] { return has_waiting_ || quit_; });
+      if (quit_) return;
+      std::swap(waiting_, current_);
+      has_waiting_ = false;
+      busy_ = true;
+      interrupt_ = false;
+    }
+    process(current_);
+    {
+      const std::lock_guard lock(queue_mutex_);
+      busy_ = false;
+    }
+    queue_changed_.notify_all();
+  }
+}
+
+void Mapper::drain() {
+  std::unique_lock lock(queue_mutex_);
+  has_waiting_ = false;
+  interrupt_ = true;
+  queue_changed_.wait(lock, [this] { return !busy_; });
+  recent_.clear();
+}
+
+double Mapper::takeMapMs() { return map_ms_.exchange(-1); }
+
+void Mapper::adoptInitialMap() {
+  window_.clear();
+  recent_.clear();
+  for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k)
+    if (map_.keyframe(k).alive) window_.push_back(k);
+  bundle_.adjust(window_, 20, nullptr);
+  for (PointId p = 0; p < map_.pointEnd(); ++p)
+    if (map_.point(p).alive) recent_.push_back(map_.ref(p));
+}
+
+void Mapper::process(const KeyframeRequest& request) {
+  const auto start = std::chrono::steady_clock::now();
+  culler_.makeRoom(kNone);
+  const KeyframeId id = insert(request);
+  culler_.cullRecentPoints(recent_, map_.keyframe(id).serial);
+  creator_.create(id, bestNeighbours(id, settings_.mapper.neighbours), recent_);
+  fuser_.fuse(id, bestNeighbours(id, settings_.mapper.neighbours));
+
+  const auto neighbours = bestNeighbours(id, settings_.mapper.window_keyframes - 1);
+  window_.assign(neighbours.begin(), neighbours.end());
+  window_.push_back(id);
+  bundle_.adjust(window_, settings_.mapper.iterations, mode_ == MappingMode::Threaded ? &interrupt_ : nullptr);
+  culler_.cullKeyframes(bestNeighbours(id, settings_.capacity.keyframes));
+  map_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+KeyframeId Mapper::insert(const KeyframeRequest& request) {
+  const std::lock_guard lock(map_.mutex);
+  const KeyframeId id = map_.addKeyframe(request.features, request.T_camera_world, request.frame, request.timestamp_s);
+  for (int f = 0; f < request.features.size(); ++f) {
+    const PointId p = map_.resolve(request.points[f]);
+    if (p != kNone && map_.observe(p, id, f)) map_.refreshPoint(p);
+  }
+  return id;
+}
+
+std::span<const KeyframeId> Mapper::bestNeighbours(KeyframeId id, int count) {
+  map_.countShared(id, votes_);
+  neighbours_.clear();
+  for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k)
+    if (votes_[k] > 0) neighbours_.push_back(k);
+  std::sort(neighbours_.begin(), neighbours_.end(), [&](KeyframeId a, KeyframeId b) {
+    return votes_[a] != votes_[b] ? votes_[a] > votes_[b] : map_.keyframe(a).serial > map_.keyframe(b).serial;
+  });
+  neighbours_.resize(std::min<std::size_t>(neighbours_.size(), count));
+  return neighbours_;
+}
+
+}  // namespace depthscope::slam

@@ -1,0 +1,72 @@
+#pragma once
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "slam/local_bundle.hpp"
+#include "slam/map_culler.hpp"
+#include "slam/point_creator.hpp"
+#include "slam/point_fuser.hpp"
+#include "slam/slam_system.hpp"
+
+namespace depthscope::slam {
+
+/// A frame that is to become a keyframe, as the tracker hands it over.
+struct KeyframeRequest {
+  FeatureSet features;
+  std::vector<PointRef> points;  // per feature
+  Pose T_camera_world;
+  std::int64_t frame = 0;
+  double timestamp_s = 0;
+};
+
+/// Makes keyframes out of frames and keeps the map accurate and small (Mur-Artal et al. 2015, section VI). Works in
+/// the caller's time (Lockstep) or in a thread of its own (Threaded). The only writer of the map once it exists.
+class Mapper {
+ public:
+  Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map, Trajectory& trajectory, MappingMode mode);
+  ~Mapper();
+
+  /// True if a keyframe would be taken on at once.
+  bool idle() const;
+  /// Hands over a keyframe. Threaded: false when one is waiting already; a bundle adjustment in progress is cut short.
+  bool submit(const FeatureSet& features, std::span<const PointRef> points, const Pose& T_camera_world,
+              std::int64_t frame, double timestamp_s);
+  /// After the initializer has made a map: adjusts it and starts to look after its points. Call while idle.
+  void adoptInitialMap();
+  /// Returns once nothing is in progress; what was waiting is thrown away.
+  void drain();
+  /// Time the last keyframe took [ms], once each; negative when there was none since the last call.
+  double takeMapMs();
+  std::size_t bytes() const { return bundle_.bytes(); }
+
+ private:
+  void run();
+  void process(const KeyframeRequest& request);
+  KeyframeId insert(const KeyframeRequest& request);
+  std::span<const KeyframeId> bestNeighbours(KeyframeId id, int count);
+
+  SlamSettings settings_;
+  Map& map_;
+  MappingMode mode_;
+  PointCreator creator_;
+  PointFuser fuser_;
+  LocalBundle bundle_;
+  MapCuller culler_;
+  std::vector<PointRef> recent_;
+  std::vector<int> votes_;
+  std::vector<KeyframeId> neighbours_, window_;
+
+  mutable std::mutex queue_mutex_;
+  std::condition_variable queue_changed_;
+  KeyframeRequest waiting_, current_;
+  bool has_waiting_ = false, busy_ = false, quit_ = false;
+  std::atomic<bool> interrupt_ = false;  // stop adjusting: something newer waits
+  std::atomic<double> map_ms_ = -1;
+  std::thread thread_;
+};
+
+}  // namespace depthscope::slam

@@ -1,0 +1,85 @@
+#include "slam/slam_system.hpp"
+
+#include <chrono>
+#include <mutex>
+
+#include "slam/map.hpp"
+#include "slam/mapper.hpp"
+#include "slam/tracker.hpp"
+#include "slam/trajectory.hpp"
+
+namespace depthscope::slam {
+
+struct SlamSystem::Impl {
+  Impl(const CameraModel& camera, const SlamSettings& settings, MappingMode mapping_mode)
+      : map(settings, camera),
+        trajectory(settings.trajectory_frames),
+        mapper(settings, camera, map, trajectory, mapping_mode),
+        tracker(camera, settings, map, mapper, trajectory) {}
+
+  Map map;
+  Trajectory trajectory;
+  Mapper mapper;
+  Tracker tracker;
+  StageTimes times;
+};
+
+SlamSystem::SlamSystem(const CameraModel& camera, const SlamSettings& settings, MappingMode mode)
+    : impl_(std::make_unique<Impl>(camera, settings, mode)) {}
+
+SlamSystem::~SlamSystem() = default;
+
+PoseEstimate SlamSystem::track(const GrayView& image, std::int64_t frame, double timestamp_s) {
+  const auto start = std::chrono::steady_clock::now();
+  const PoseEstimate estimate = impl_->tracker.track(image, frame, timestamp_s);
+  impl_->times.track_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  impl_->times.extract_ms = impl_->tracker.lastExtractMs();
+  impl_->times.map_ms = impl_->mapper.takeMapMs();
+  return estimate;
+}
+
+StageTimes SlamSystem::lastTimes() const { return impl_->times; }
+
+SlamStatistics SlamSystem::statistics() const {
+  SlamStatistics s;
+  const std::lock_guard lock(impl_->map.mutex);
+  s.keyframes = impl_->map.keyframeCount();
+  s.map_points = impl_->map.pointCount();
+  s.maps = impl_->tracker.mapsStarted();
+  s.lost_events = impl_->tracker.lostEvents();
+  s.relocalizations = impl_->tracker.relocalizations();
+  s.map_bytes = impl_->map.bytes() + impl_->mapper.bytes();
+  return s;
+}
+
+void SlamSystem::copyCloud(SparseCloud& out) const {
+  const Map& map = impl_->map;
+  const std::lock_guard lock(impl_->map.mutex);
+  out.map_id = map.id();
+  out.points.clear();
+  out.keyframes_T_camera_world.clear();
+  for (KeyframeId k = 0; k < map.keyframeCapacity(); ++k)
+    if (map.keyframe(k).alive) out.keyframes_T_camera_world.push_back(map.keyframe(k).T_camera_world);
+  for (PointId id = 0; id < map.pointEnd(); ++id) {
+    const MapPoint& p = map.point(id);
+    if (!p.alive) continue;
+    double squared = 0;
+    for (const Observation& o : map.observations(id)) {
+      const Keyframe& k = map.keyframe(o.keyframe);
+      const Keypoint& kp = k.features.keypoints[o.feature];
+      squared += (map.intrinsics().project(k.T_camera_world * p.position) - Eigen::Vector2d(kp.ux, kp.uy)).squaredNorm();
+    }
+    const int n = p.observation_count;
+    out.points.push_back({p.position.cast<float>(), -p.normal.cast<float>(), n,
+                          static_cast<float>(std::sqrt(squared / std::max(n, 1)))});
+  }
+}
+
+std::vector<StampedPose> SlamSystem::correctedTrajectory() const {
+  const std::lock_guard lock(impl_->map.mutex);
+  return impl_->trajectory.corrected(impl_->map);
+}
+
+void SlamSystem::reset() { impl_->tracker.reset(); }
+
+}  // namespace depthscope::slam

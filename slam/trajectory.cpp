@@ -1,0 +1,35 @@
+#include "slam/trajectory.hpp"
+
+#include <algorithm>
+
+namespace depthscope::slam {
+
+void Trajectory::add(std::int64_t frame, double timestamp_s, KeyframeId reference, const Pose& T_camera_reference) {
+  if (records_.empty()) return;
+  records_[next_] = {frame, timestamp_s, reference, T_camera_reference};
+  next_ = (next_ + 1) % records_.size();
+  count_ = std::min(count_ + 1, records_.size());
+}
+
+void Trajectory::rebase(const Map& map, KeyframeId from, KeyframeId to) {
+  const Pose T_from_to = map.keyframe(from).T_camera_world * map.keyframe(to).T_camera_world.inverse();
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (records_[i].reference != from) continue;
+    records_[i].T_camera_reference = records_[i].T_camera_reference * T_from_to;
+    records_[i].reference = to;
+  }
+}
+
+std::vector<StampedPose> Trajectory::corrected(const Map& map) const {
+  std::vector<StampedPose> poses;
+  poses.reserve(count_);
+  const std::size_t oldest = count_ == records_.size() ? next_ : 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Record& r = records_[(oldest + i) % records_.size()];
+    const Pose T_camera_world = r.T_camera_reference * map.keyframe(r.reference).T_camera_world;
+    poses.push_back({r.frame, r.timestamp_s, T_camera_world.inverse()});
+  }
+  return poses;
+}
+
+}  // namespace depthscope::slam

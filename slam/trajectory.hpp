@@ -1,0 +1,32 @@
+#pragma once
+#include <vector>
+
+#include "slam/map.hpp"
+#include "slam/slam_system.hpp"
+
+namespace depthscope::slam {
+
+/// Poses of tracked frames relative to keyframes, so that they follow every later correction of the map.
+/// A ring of fixed capacity. Guarded by the map's mutex.
+class Trajectory {
+ public:
+  explicit Trajectory(std::int64_t capacity) { records_.resize(static_cast<std::size_t>(capacity)); }
+
+  void add(std::int64_t frame, double timestamp_s, KeyframeId reference, const Pose& T_camera_reference);
+  /// Records that hang on keyframe `from` hang on `to` afterwards; call before `from` is removed.
+  void rebase(const Map& map, KeyframeId from, KeyframeId to);
+  void clear() { count_ = next_ = 0; }
+  std::vector<StampedPose> corrected(const Map& map) const;
+
+ private:
+  struct Record {
+    std::int64_t frame;
+    double timestamp_s;
+    KeyframeId reference;
+    Pose T_camera_reference;
+  };
+  std::vector<Record> records_;
+  std::size_t count_ = 0, next_ = 0;
+};
+
+}  // namespace depthscope::slam

@@ -1,0 +1,95 @@
+#include "recon/point_filters.hpp"
+
+#include <pcl/filters/radius_outlier_removal.h>
+#include <pcl/filters/voxel_grid.h>
+#include <pcl/kdtree/kdtree_flann.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace depthscope::recon {
+namespace {
+
+bool usable(const SparsePoint& p, const ReconSettings& settings) {
+  // A view direction of no length cannot orient a normal.
+  return p.position.allFinite() && p.view_direction.allFinite() &&
+         p.view_direction.squaredNorm() > 0.25f && p.observations >= settings.min_observations &&
+         p.reprojection_error_px <= settings.max_reprojection_error_px;
+}
+
+pcl::PointNormal toSupport(const SparsePoint& p) {
+  pcl::PointNormal s;
+  s.getVector3fMap() = p.position;
+  s.getNormalVector3fMap() = p.view_direction.normalized();
+  s.curvature = static_cast<float>(p.observations);
+  return s;
+}
+
+}  // namespace
+
+SupportCloud::Ptr usablePoints(const SparseCloud& cloud, const ReconSettings& settings) {
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    if (usable(cloud.points[i], settings)) index.push_back(i);
+  const auto limit = static_cast<std::size_t>(std::max(0, settings.max_points));
+  if (index.size() > limit) {
+    std::stable_sort(index.begin(), index.end(), [&](std::size_t a, std::size_t b) {
+      return cloud.points[a].observations > cloud.points[b].observations;
+    });
+    index.resize(limit);
+    std::sort(index.begin(), index.end());
+  }
+  auto out = std::make_shared<SupportCloud>();
+  out->reserve(index.size());
+  for (std::size_t i : index) out->push_back(toSupport(cloud.points[i]));
+  return out;
+}
+
+std::vector<float> neighbourDistances(const SupportCloud::ConstPtr& cloud, int neighbours) {
+  if (cloud->empty()) return {};
+  pcl::KdTreeFLANN<pcl::PointNormal> tree;
+  tree.setInputCloud(cloud);
+  std::vector<float> distances(cloud->size(), 0.f);
+  pcl::Indices found;
+  std::vector<float> squared;
+  for (std::size_t i = 0; i < cloud->size(); ++i) {
+    // The point itself comes first, at distance zero.
+    const int n = tree.nearestKSearch((*cloud)[i], neighbours + 1, found, squared);
+    if (n > 0) distances[i] = std::sqrt(squared[static_cast<std::size_t>(n) - 1]);
+  }
+  return distances;
+}
+
+float median(std::vector<float> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+SupportCloud::Ptr radiusFilter(const SupportCloud::ConstPtr& cloud, float spacing,
+                               const ReconSettings& settings) {
+  auto out = std::make_shared<SupportCloud>();
+  if (cloud->empty()) return out;
+  pcl::RadiusOutlierRemoval<pcl::PointNormal> filter;
+  filter.setInputCloud(cloud);
+  filter.setRadiusSearch(settings.outlier_radius * spacing);
+  filter.setMinNeighborsInRadius(settings.outlier_min_neighbours);
+  filter.filter(*out);
+  return out;
+}
+
+SupportCloud::Ptr voxelGrid(const SupportCloud::ConstPtr& cloud, float spacing,
+                            const ReconSettings& settings) {
+  auto out = std::make_shared<SupportCloud>();
+  if (cloud->empty()) return out;
+  const float leaf = static_cast<float>(settings.voxel_size) * spacing;
+  pcl::VoxelGrid<pcl::PointNormal> filter;
+  filter.setInputCloud(cloud);
+  filter.setLeafSize(leaf, leaf, leaf);
+  filter.filter(*out);
+  return out;
+}
+
+}  // namespace depthscope::recon

@@ -1,0 +1,95 @@
+#include "recon/poisson_surface.hpp"
+
+#include <pcl/common/common.h>
+// The octree's header leans on those before it: this order is needed.
+// clang-format off
+#include <pcl/surface/3rdparty/poisson4/octree_poisson.h>
+#include <pcl/surface/3rdparty/poisson4/sparse_matrix.h>
+#include <pcl/surface/3rdparty/poisson4/function_data.h>
+#include <pcl/surface/3rdparty/poisson4/ppolynomial.h>
+#include <pcl/surface/3rdparty/poisson4/multi_grid_octree_data.h>
+#include <pcl/surface/3rdparty/poisson4/geometry.h>
+// clang-format on
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <vector>
+
+namespace depthscope::recon {
+namespace {
+
+namespace kazhdan = pcl::poisson;
+
+// PCL's octree is driven directly: its pcl::Poisson compiles the solver for five spline degrees, of which only
+// the second is wanted.
+using Octree = kazhdan::Octree<2>;
+
+constexpr float kBoxScale = 1.1f;         // solver's cube over the bounding cube of the points
+constexpr int kNodePoolBlock = 1 << 12;   // octree nodes allocated at a time
+constexpr int kSolverBlockDepth = 8;      // solve and extract in blocks below this depth, to save memory
+constexpr int kSolverMinIterations = 8;   // of conjugate gradients at each depth
+constexpr double kSolverAccuracy = 1e-3;  // relative residual
+
+/// Depth at which the density of the samples is estimated: coarser than the surface, so that it is smooth.
+int densityDepth(int depth) { return depth - 2; }
+
+}  // namespace
+
+int poissonDepth(const SupportCloud& cloud, float spacing, const ReconSettings& settings) {
+  pcl::PointNormal low, high;
+  pcl::getMinMax3D(cloud, low, high);
+  const float side = (high.getVector3fMap() - low.getVector3fMap()).maxCoeff() * kBoxScale;
+  const double cell = settings.poisson_cell * spacing;
+  const double depth = std::ceil(std::log2(std::max(1.0, side / cell)));
+  return std::clamp(static_cast<int>(depth), settings.poisson_min_depth,
+                    settings.poisson_max_depth);
+}
+
+SurfaceMesh poissonSurface(const SupportCloud::ConstPtr& cloud, int depth,
+                           const ReconSettings& settings) {
+  static std::mutex pool_mutex;
+  const std::lock_guard lock(pool_mutex);
+  kazhdan::TreeNodeData::UseIndex = 1;
+  kazhdan::TreeOctNode::SetAllocator(kNodePoolBlock);
+  Octree tree;
+  tree.threads = 1;
+  tree.setBSplineData(depth, 1.f / static_cast<float>(1 << depth), true);
+  kazhdan::Point3D<float> corner;
+  float scale = 1;
+  tree.setTree<pcl::PointNormal>(cloud, depth, std::min(depth, settings.poisson_min_depth),
+                                 densityDepth(depth),
+                                 static_cast<float>(settings.poisson_samples_per_node), kBoxScale,
+                                 corner, scale, /*useConfidence=*/0,
+                                 static_cast<float>(settings.poisson_point_weight),
+                                 /*adaptiveWeights=*/true);
+  tree.ClipTree();
+  tree.finalize();
+  tree.RefineBoundary(kSolverBlockDepth);
+  tree.SetLaplacianConstraints();
+  tree.LaplacianMatrixIteration(kSolverBlockDepth, false, kSolverMinIterations, kSolverAccuracy);
+  kazhdan::CoredVectorMeshData extracted;
+  tree.GetMCIsoTriangles(tree.GetIsoValue(), kSolverBlockDepth, &extracted);
+
+  SurfaceMesh mesh;
+  const auto inner = static_cast<int>(extracted.inCorePoints.size());
+  const auto toMap = [&](const kazhdan::Point3D<float>& p) {
+    return Eigen::Vector3f(p.coords[0] * scale + corner.coords[0],
+                           p.coords[1] * scale + corner.coords[1],
+                           p.coords[2] * scale + corner.coords[2]);
+  };
+  for (const auto& p : extracted.inCorePoints) mesh.vertices.push_back(toMap(p));
+  extracted.resetIterator();
+  kazhdan::Point3D<float> point;
+  while (extracted.nextOutOfCorePoint(point)) mesh.vertices.push_back(toMap(point));
+  std::vector<kazhdan::CoredVertexIndex> polygon;
+  while (extracted.nextPolygon(polygon)) {
+    std::array<std::uint32_t, 3> t{};
+    for (std::size_t k = 0; k < t.size(); ++k)
+      t[k] = static_cast<std::uint32_t>(polygon[k].idx + (polygon[k].inCore ? 0 : inner));
+    mesh.triangles.push_back(t);
+  }
+  return mesh;
+}
+
+}  // namespace depthscope::recon

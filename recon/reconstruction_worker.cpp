@@ -1,0 +1,85 @@
+#include "recon/reconstruction_worker.hpp"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <utility>
+
+namespace depthscope::recon {
+namespace {
+
+constexpr int kNice = 10;  // well below tracking, still above what the system calls idle
+
+/// On Linux a thread has its own nice value. Failure leaves the default priority, which is harmless.
+void lowerPriority() { (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice); }
+
+}  // namespace
+
+ReconstructionWorker::ReconstructionWorker(const ReconSettings& settings, Listener on_finished)
+    : reconstructor_(settings),
+      on_finished_(std::move(on_finished)),
+      thread_([this](const std::stop_token& stop) { loop(stop); }) {}
+
+ReconstructionWorker::~ReconstructionWorker() {
+  thread_.request_stop();
+  cancel();
+}
+
+bool ReconstructionWorker::request(SparseCloud& cloud) {
+  {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) return false;
+    std::swap(waiting_, cloud);
+    has_waiting_ = true;
+  }
+  wake_.notify_one();
+  return true;
+}
+
+bool ReconstructionWorker::takeNewest(SurfaceMesh& mesh) {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock || !has_newest_) return false;
+  std::swap(newest_, mesh);
+  has_newest_ = false;
+  return true;
+}
+
+void ReconstructionWorker::cancel() {
+  const std::lock_guard lock(mutex_);
+  has_waiting_ = false;
+  running_.request_stop();
+}
+
+void ReconstructionWorker::loop(const std::stop_token& stop) {
+  lowerPriority();
+  for (;;) {
+    std::stop_token running;
+    {
+      std::unique_lock lock(mutex_);
+      if (!wake_.wait(lock, stop, [this] { return has_waiting_; })) return;
+      std::swap(cloud_, waiting_);
+      has_waiting_ = false;
+      if (running_.stop_requested()) running_ = std::stop_source();
+      running = running_.get_token();
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const ReconStatus status = reconstructor_.reconstruct(cloud_, mesh_, running);
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    finish(status, took.count());
+  }
+}
+
+void ReconstructionWorker::finish(ReconStatus status, double duration_ms) {
+  const bool ok = status == ReconStatus::Ok;
+  const ReconReport report{status, duration_ms, cloud_.map_id, cloud_.points.size(),
+                           ok ? mesh_.triangles.size() : 0};
+  if (ok) {
+    const std::lock_guard lock(mutex_);
+    std::swap(newest_, mesh_);
+    has_newest_ = true;
+  }
+  if (on_finished_) on_finished_(report);
+}
+
+}  // namespace depthscope::recon

@@ -1,0 +1,144 @@
+#include "recon/surface_trimming.hpp"
+
+#include <pcl/kdtree/kdtree_flann.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "recon/point_filters.hpp"
+
+namespace depthscope::recon {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+constexpr int kSupportNeighbours = 8;  // support points a vertex is judged by
+
+/// Twice the area times the unit normal of a triangle.
+Eigen::Vector3f areaNormal(const SurfaceMesh& mesh, const Triangle& t) {
+  const Eigen::Vector3f& a = mesh.vertices[t[0]];
+  return (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
+}
+
+/// What the support says about one vertex.
+struct VertexSupport {
+  bool within = false;                               // near enough to a support point
+  float confidence = 0;                              // 0..1
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // of the support around it, not unit
+};
+
+std::vector<VertexSupport> judgeVertices(const SurfaceMesh& mesh,
+                                         const SupportCloud::ConstPtr& support, float spacing,
+                                         const ReconSettings& settings) {
+  std::vector<float> local = neighbourDistances(support, settings.spacing_neighbours);
+  for (float& l : local)
+    l = std::clamp(l, spacing, static_cast<float>(settings.trim_max_spacing) * spacing);
+
+  pcl::KdTreeFLANN<pcl::PointNormal> tree;
+  tree.setInputCloud(support);
+  pcl::Indices found;
+  std::vector<float> squared;
+  std::vector<VertexSupport> out(mesh.vertices.size());
+  for (std::size_t v = 0; v < out.size(); ++v) {
+    pcl::PointNormal query;
+    query.getVector3fMap() = mesh.vertices[v];
+    const int n = tree.nearestKSearch(query, kSupportNeighbours, found, squared);
+    float evidence = 0;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
+      const auto i = static_cast<std::size_t>(found[k]);
+      const float reach = static_cast<float>(settings.trim_distance) * local[i];
+      if (std::sqrt(squared[k]) <= reach) out[v].within = true;
+      const float weight = std::exp(-squared[k] / (2 * spacing * spacing));
+      evidence += weight * (*support)[i].curvature;
+      out[v].normal += (weight + 1e-6f) * (*support)[i].getNormalVector3fMap();
+    }
+    out[v].confidence =
+        std::min(1.f, evidence / static_cast<float>(settings.full_confidence_support));
+  }
+  return out;
+}
+
+/// Poisson's own winding is a convention of its code; the support decides it for the mesh as a whole.
+void windTowardsSupport(SurfaceMesh& mesh, const std::vector<VertexSupport>& judged) {
+  double agreement = 0;
+  for (const Triangle& t : mesh.triangles)
+    if (judged[t[0]].within) agreement += areaNormal(mesh, t).dot(judged[t[0]].normal);
+  if (agreement >= 0) return;
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+}
+
+/// Renumbers vertices so that only those used by triangles remain, in their old order.
+void compact(SurfaceMesh& mesh) {
+  constexpr std::uint32_t kUnused = 0xffffffff;
+  std::vector<std::uint32_t> renumbered(mesh.vertices.size(), kUnused);
+  for (const Triangle& t : mesh.triangles)
+    for (std::uint32_t v : t) renumbered[v] = 0;
+  const bool has_confidence = mesh.confidence.size() == mesh.vertices.size();
+  std::uint32_t next = 0;
+  for (std::size_t v = 0; v < renumbered.size(); ++v) {
+    if (renumbered[v] == kUnused) continue;
+    mesh.vertices[next] = mesh.vertices[v];
+    if (has_confidence) mesh.confidence[next] = mesh.confidence[v];
+    renumbered[v] = next++;
+  }
+  mesh.vertices.resize(next);
+  if (has_confidence) mesh.confidence.resize(next);
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& v : t) v = renumbered[v];
+}
+
+std::uint32_t findRoot(std::vector<std::uint32_t>& parent, std::uint32_t v) {
+  while (parent[v] != v) v = parent[v] = parent[parent[v]];
+  return v;
+}
+
+}  // namespace
+
+void trimToSupport(SurfaceMesh& mesh, const SupportCloud::ConstPtr& support, float spacing,
+                   const ReconSettings& settings) {
+  if (mesh.empty() || support->empty()) return mesh.clear();
+  const std::vector<VertexSupport> judged = judgeVertices(mesh, support, spacing, settings);
+  windTowardsSupport(mesh, judged);
+  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    const Eigen::Vector3f normal = areaNormal(mesh, t);
+    return !std::all_of(t.begin(), t.end(), [&](std::uint32_t v) {
+      // A sheet that faces away from the cameras is the far side of Poisson's closed surface.
+      return judged[v].within && normal.dot(judged[v].normal) > 0;
+    });
+  });
+  mesh.confidence.resize(mesh.vertices.size());
+  std::transform(judged.begin(), judged.end(), mesh.confidence.begin(),
+                 [](const VertexSupport& s) { return s.confidence; });
+  dropSmallIslands(mesh, static_cast<float>(settings.min_island_area) * spacing * spacing);
+  computeNormals(mesh);
+}
+
+void dropSmallIslands(SurfaceMesh& mesh, float min_area) {
+  std::vector<std::uint32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  for (const Triangle& t : mesh.triangles)
+    for (int k = 1; k < 3; ++k)
+      parent[findRoot(parent, t[static_cast<std::size_t>(k)])] = findRoot(parent, t[0]);
+  std::vector<float> area(mesh.vertices.size(), 0.f);
+  for (const Triangle& t : mesh.triangles)
+    area[findRoot(parent, t[0])] += 0.5f * areaNormal(mesh, t).norm();
+  std::erase_if(mesh.triangles,
+                [&](const Triangle& t) { return area[findRoot(parent, t[0])] < min_area; });
+  compact(mesh);
+}
+
+void computeNormals(SurfaceMesh& mesh) {
+  mesh.normals.assign(mesh.vertices.size(), Eigen::Vector3f::Zero());
+  for (const Triangle& t : mesh.triangles) {
+    const Eigen::Vector3f n = areaNormal(mesh, t);
+    for (std::uint32_t v : t) mesh.normals[v] += n;
+  }
+  for (Eigen::Vector3f& n : mesh.normals) {
+    const float length = n.norm();
+    n = length > 0 ? Eigen::Vector3f(n / length) : Eigen::Vector3f::UnitZ();
+  }
+}
+
+}  // namespace depthscope::recon

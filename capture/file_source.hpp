@@ -4,50 +4,48 @@
 #include <memory>
 #include <vector>
 
+#include "capture/fault_script.hpp"
 #include "capture/frame_source.hpp"
+#include "capture/pacing_clock.hpp"
 
 namespace depthscope::capture {
 
-/// One entry of a fault script: from frame `first` on, for `count` frames of the clip.
-struct FaultEvent {
-  enum class Kind : std::uint8_t {
-    SignalLost,  // read() says NoSignal for the time these frames would have taken
-    Resize,      // pictures come scaled to width x height
-    Late,        // each picture comes delay_ms later than its time
-    Damaged,     // part of the picture is garbage and `damaged` is set
-    Repeated,    // the previous picture again, under a new sequence number
-  };
-  Kind kind = Kind::SignalLost;
-  std::int64_t first = 0;
-  std::int64_t count = 1;
-  int width = 0, height = 0;  // [px], Resize
-  double delay_ms = 0;        // Late
-};
-
-/// Parses a fault script: one event a line, `KIND FIRST COUNT [WIDTHxHEIGHT | DELAY_MS]`, '#'
-/// starts a comment; kinds as `signal-lost resize late damaged repeated`. Throws InputError naming
-/// file and line.
-std::vector<FaultEvent> loadFaultScript(const std::filesystem::path& path);
-
 struct FileSourceSettings {
-  std::filesystem::path path;  // video file, or folder of images in the order of their names
+  std::filesystem::path
+      path;  // video file, or folder of .png and .jpg in byte order of their names
   enum class Pacing {
-    Lockstep,
-    Clip
-  } pacing = Pacing::Lockstep;  // every frame at once | at the clip's own rate
-  bool loop = false;            // start again at the end; sequence numbers and times go on
-  double fps = 0;               // overrides the clip's rate; 0: the clip's own (image folders: 30)
-  int buffers = 4;              // pool size
+    Lockstep,  // every frame, as fast as it is asked for
+    Clip,      // at the clip's own rate, from the first read() on
+  } pacing = Pacing::Lockstep;
+  bool loop = false;  // start again at the end; sequence numbers and media times go on
+  double fps = 0;     // [1/s] overrides the clip's rate, up to 1000; 0: the clip's own (else 30)
+  int buffers = 4;    // pool size, 2 to 64
   std::vector<FaultEvent> faults;
 };
 
-/// Opens a clip and decodes its first picture. Under Clip pacing decoding runs ahead in its own
-/// thread and frames whose time has passed are skipped in favour of the newest. Throws InputError
-/// (missing, empty, truncated, not a video, no pictures in the folder, images of different sizes).
-std::unique_ptr<FrameSource> openFileSource(const FileSourceSettings& settings);
+/// Opens a clip and decodes its first picture. Throws InputError (missing, empty, truncated, not a
+/// video, no pictures in the folder, images of different sizes).
+///
+/// Frame i, counted from 0 over all passes of a loop, has sequence i and media_time_s i / fps.
+/// Pictures in Yuv420p, Nv12, Gray8, Rgb24 and Bgr24 are handed on as decoded, others are converted
+/// to Gray8, Rgb24 or Yuv420p, whichever is nearest. Clips that do not say their matrix are read as
+/// BT.709 above 576 lines and BT.601 below, as players do.
+///
+/// Lockstep: read() decodes in the caller's thread; capture_time is the time of the call. The
+/// timeout has no meaning; Timeout is returned, and nothing lost, while the caller holds all
+/// buffers. Clip: a thread decodes ahead; read() hands out the newest picture whose time has come,
+/// or waits for the next. capture_time is the picture's time by `clock`, which must outlive the
+/// source. Pictures for which no buffer is free at their time are skipped, as a capture card would.
+///
+/// A position that cannot be shown has a status in place of a picture, and its sequence number is
+/// used up: ReadError (an image that does not decode), UnsupportedMode (a size other than the first
+/// picture's), NoSignal (by script). Packets of a video that decode to nothing leave no gap. Either
+/// way damage() tells, and so it does when the clip breaks off before its announced end.
+std::unique_ptr<FrameSource> openFileSource(const FileSourceSettings& settings,
+                                            PacingClock& clock = PacingClock::steady());
 
 /// Number of frames in the clip, where the container or the folder tells; else 0.
-/// Throws like openFileSource.
+/// Throws InputError like openFileSource, but decodes nothing.
 std::int64_t countFrames(const std::filesystem::path& path);
 
 }  // namespace depthscope::capture

@@ -1,0 +1,44 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "slam/image_buffer.hpp"
+#include "slam/simd_dispatch.hpp"
+
+namespace depthscope::slam {
+
+/// A corner of one pyramid level.
+struct Corner {
+  std::int16_t x = 0, y = 0;  // [px] of its level
+  std::uint8_t score = 0;     // [grey levels]
+};
+
+/// The FAST-9/16 score at one pixel: the largest s such that 9 contiguous pixels of the 16 around
+/// it (radius 3) are all brighter, or all darker, than the centre by at least s. The pixel is a
+/// corner at threshold t when the score is above t (Rosten & Drummond 2006). `centre` needs 3 px
+/// around it.
+int fastScore(const std::uint8_t* centre, std::ptrdiff_t stride);
+
+/// FAST-9/16 over one picture, vectorised over the pixels of a row.
+class FastDetector {
+ public:
+  /// For pictures up to `width` wide.
+  explicit FastDetector(int width);
+
+  /// Appends to `corners`, in the order of rows, the pixels whose score is above `threshold` (>= 1)
+  /// and a maximum of its 3x3 neighbourhood; of equal neighbours the first counts. Pixels nearer
+  /// than `margin` (>= 4) [px] to the picture's border are left out. Does not allocate while
+  /// `corners` has room for a quarter of the picture's pixels.
+  void detect(const ImageBuffer& image, int threshold, int margin, SimdPath path,
+              std::vector<Corner>& corners);
+
+ private:
+  std::uint8_t* scoreRow(int y) { return scores_.data() + (y % 3) * stride_; }
+
+  std::ptrdiff_t stride_;
+  std::vector<std::uint8_t> scores_;  // of three rows
+  std::vector<std::uint8_t> row_;     // workspace: candidates, then maxima, of one row
+};
+
+}  // namespace depthscope::slam

@@ -1,0 +1,132 @@
+#include "slam/orb_extractor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/orientation.hpp"
+
+namespace depthscope::slam {
+namespace {
+
+constexpr int kMargin = kPatchRadius + 1;  // [px] of each level: the patch lies in the picture
+constexpr int kCell = 32;                  // [px] of each level: cell of the adaptive threshold
+// Reach of a corner's own neighbourhood [px of its level]: the circle of FAST and the blur of a
+// highlight.
+constexpr double kSpecularReach = 5;
+
+int maximaCapacity(const ImageBuffer& image) {
+  return (image.width() / 2 + 1) * (image.height() / 2 + 1);
+}
+
+}  // namespace
+
+OrbExtractor::OrbExtractor(const ExtractorSettings& settings, const CameraModel& camera,
+                           SimdPath path)
+    : settings_(settings),
+      camera_(camera),
+      path_(path),
+      pyramid_(camera.width, camera.height, settings.levels, settings.scale_factor),
+      mask_(pyramid_, settings.specular_threshold, settings.dark_threshold),
+      detector_(camera.width),
+      blur_(camera.width),
+      distribution_(camera.width, camera.height, maximaCapacity(pyramid_.level(0))),
+      undistortion_(camera),
+      corners_(settings.levels),
+      wanted_(settings.levels),
+      cell_best_((camera.width / kCell + 1) * (camera.height / kCell + 1)) {
+  for (int l = 0; l < settings.levels; ++l) {
+    const double scale = pyramid_.scale(l);
+    scale_factors_.push_back(static_cast<float>(scale));
+    sigma2_.push_back(static_cast<float>(scale * scale));
+    corners_[l].reserve(maximaCapacity(pyramid_.level(l)));
+    blurred_.emplace_back(pyramid_.level(l).width(), pyramid_.level(l).height());
+  }
+}
+
+void OrbExtractor::extract(const GrayView& image, FeatureSet& out) {
+  out.keypoints.clear();
+  out.descriptors.clear();
+  if (!image.empty() && image.width == camera_.width && image.height == camera_.height) {
+    pyramid_.build(image, path_);
+    mask_.update(pyramid_);
+    for (int l = 0; l < settings_.levels; ++l) detectLevel(l);
+    shareQuota();
+    for (int l = 0; l < settings_.levels; ++l) describeLevel(l, out);
+  }
+  out.grid.build(out.keypoints);
+}
+
+void OrbExtractor::detectLevel(int l) {
+  corners_[l].clear();
+  const ImageBuffer& image = pyramid_.level(l);
+  if (std::min(image.width(), image.height()) <= 2 * kMargin) return;
+  detector_.detect(image, settings_.fast_threshold_min, kMargin, path_, corners_[l]);
+  std::erase_if(corners_[l], [&](const Corner& c) { return !isOnTissue(c, l); });
+  keepStrongOfEachCell(l);
+}
+
+bool OrbExtractor::isOnTissue(const Corner& corner, int l) const {
+  const double scale = pyramid_.scale(l);
+  const double x = (corner.x + 0.5) * scale - 0.5, y = (corner.y + 0.5) * scale - 0.5;
+  return mask_.toSpecular(x, y) >= kSpecularReach * scale &&
+         mask_.toSurroundings(x, y) >= kMargin * scale;
+}
+
+/// The high threshold where a cell has corners above it, else the low one.
+void OrbExtractor::keepStrongOfEachCell(int l) {
+  const int columns = pyramid_.level(l).width() / kCell + 1;
+  const auto cellOf = [&](const Corner& c) -> std::uint8_t& {
+    return cell_best_[c.y / kCell * columns + c.x / kCell];
+  };
+  std::fill(cell_best_.begin(), cell_best_.end(), std::uint8_t{0});
+  for (const Corner& c : corners_[l]) cellOf(c) = std::max(cellOf(c), c.score);
+  std::erase_if(corners_[l], [&](const Corner& c) {
+    return c.score <= settings_.fast_threshold && cellOf(c) > settings_.fast_threshold;
+  });
+}
+
+/// Shares the features among the levels by their length scale, as Mur-Artal et al. do, and hands on
+/// what a level cannot use to those that can.
+void OrbExtractor::shareQuota() {
+  std::fill(wanted_.begin(), wanted_.end(), 0);
+  int left = settings_.features;
+  for (int round = 0; round < settings_.levels && left > 0; ++round) {
+    double open = 0;
+    for (int l = 0; l < settings_.levels; ++l)
+      if (wanted_[l] < static_cast<int>(corners_[l].size())) open += 1 / pyramid_.scale(l);
+    if (open == 0) break;
+    const int shared = left;
+    for (int l = 0; l < settings_.levels; ++l) {
+      const int room = static_cast<int>(corners_[l].size()) - wanted_[l];
+      const int share = static_cast<int>(std::ceil(shared / (pyramid_.scale(l) * open)));
+      const int given = std::min({share, room, left});
+      wanted_[l] += given;
+      left -= given;
+    }
+  }
+}
+
+void OrbExtractor::describeLevel(int l, FeatureSet& out) {
+  if (wanted_[l] == 0) return;
+  distribution_.reduce(wanted_[l], corners_[l]);
+  const ImageBuffer& image = pyramid_.level(l);
+  blur_(image, blurred_[l], path_);
+  const double scale = pyramid_.scale(l);
+  for (const Corner& c : corners_[l]) {
+    Keypoint k;
+    k.x = static_cast<float>((c.x + 0.5) * scale - 0.5);
+    k.y = static_cast<float>((c.y + 0.5) * scale - 0.5);
+    const auto undistorted = undistortion_({k.x, k.y});
+    if (!undistorted) continue;
+    k.ux = static_cast<float>(undistorted->pixel.x());
+    k.uy = static_cast<float>(undistorted->pixel.y());
+    k.sigma = static_cast<float>(scale * undistorted->magnification);
+    k.angle = intensityCentroidAngle(image.row(c.y) + c.x, image.stride());
+    k.response = c.score;
+    k.octave = static_cast<std::uint8_t>(l);
+    out.keypoints.push_back(k);
+    out.descriptors.push_back(brief_(blurred_[l].row(c.y) + c.x, blurred_[l].stride(), k.angle));
+  }
+}
+
+}  // namespace depthscope::slam

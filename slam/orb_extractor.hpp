@@ -1,0 +1,66 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "slam/brief_descriptor.hpp"
+#include "slam/corner_distribution.hpp"
+#include "slam/fast_detector.hpp"
+#include "slam/features.hpp"
+#include "slam/gaussian_blur.hpp"
+#include "slam/image_pyramid.hpp"
+#include "slam/picture_mask.hpp"
+#include "slam/simd_dispatch.hpp"
+#include "slam/slam_settings.hpp"
+#include "slam/undistortion_map.hpp"
+#include "types/camera_model.hpp"
+#include "types/image_view.hpp"
+
+namespace depthscope::slam {
+
+/// ORB features (Rublee et al. 2011) spread evenly over picture and scale (after Mur-Artal et al.
+/// 2015, section V.A), away from highlights and from the edge of the round field of view. All
+/// storage is allocated by the constructor; the same picture gives the same features on every
+/// processor.
+class OrbExtractor {
+ public:
+  OrbExtractor(const ExtractorSettings& settings, const CameraModel& camera,
+               SimdPath path = bestSimdPath());
+
+  /// Fills `out` (its capacity: settings.features) from a picture of the camera's size; a picture
+  /// of another size gives no features. Does not allocate.
+  void extract(const GrayView& image, FeatureSet& out);
+
+  /// Pixels of full resolution per pixel of octave l.
+  std::span<const float> scaleFactors() const { return scale_factors_; }
+  /// [px^2] variance assumed for a keypoint of octave l where undistortion does not magnify.
+  std::span<const float> sigma2() const { return sigma2_; }
+  const ImagePyramid& pyramid() const { return pyramid_; }
+  const PictureMask& mask() const { return mask_; }
+
+ private:
+  void detectLevel(int l);
+  bool isOnTissue(const Corner& corner, int l) const;
+  void keepStrongOfEachCell(int l);
+  void shareQuota();
+  void describeLevel(int l, FeatureSet& out);
+
+  ExtractorSettings settings_;
+  CameraModel camera_;
+  SimdPath path_;
+  std::vector<float> scale_factors_, sigma2_;
+
+  ImagePyramid pyramid_;
+  PictureMask mask_;
+  FastDetector detector_;
+  GaussianBlur blur_;
+  CornerDistribution distribution_;
+  BriefDescriptor brief_;
+  UndistortionMap undistortion_;
+
+  std::vector<std::vector<Corner>> corners_;  // of each level
+  std::vector<int> wanted_;                   // corners to keep of each level
+  std::vector<std::uint8_t> cell_best_;       // best score in each cell of the level at work
+  std::vector<ImageBuffer> blurred_;          // of each level
+};
+
+}  // namespace depthscope::slam

@@ -1,0 +1,92 @@
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "slam/bundle_adjuster.hpp"
+#include "slam/intrinsics.hpp"
+#include "slam/two_view_models.hpp"
+#include "types/pose.hpp"
+
+namespace depthscope::slam {
+
+struct TwoViewSettings {
+  double sigma_px = 1;  // of a keypoint's position
+  int ransac_iterations = 200;
+  int min_inliers = 50;                 // matches that agree with the model, and points in the end
+  double min_parallax_deg = 1.0;        // median over the points
+  double min_point_parallax_deg = 0.3;  // below it a point is not handed on: its depth is a guess
+  double homography_score_ratio =
+      0.45;                         // R_H above: homography (Mur-Artal et al. 2015, section IV)
+  double max_rotation_share = 0.6;  // of the inliers that a rotation alone explains as well
+  double ambiguity_ratio = 0.8;     // second best motion / best motion, in points: above, refused
+  double min_kept_share = 0.7;      // of the model's inliers that must become points
+};
+
+struct TwoViewResult {
+  enum class Model { Homography, Essential };
+  /// Why there is no reconstruction.
+  enum class Refusal {
+    None,
+    TooFewMatches,
+    TooFewInliers,
+    RotationOnly,  // includes a camera that stands still
+    Ambiguous,     // two motions explain the matches about as well
+    LowParallax,
+    PoorFit,  // too few of the inliers became points
+  };
+
+  Refusal refusal = Refusal::None;
+  Model model = Model::Essential;
+  double homography_score = 0;             // R_H = S_H / (S_H + S_E), 0..1
+  Pose T_second_first;                     // |t| = 1
+  std::vector<Eigen::Vector3d> points;     // per match, first camera's frame, in units of |t|
+  std::vector<std::uint8_t> triangulated;  // per match: 1 if its point may be used
+  double median_parallax_deg = 0;
+  int inliers = 0;  // number of matches triangulated
+};
+
+/// Structure and motion from matches between two views, without asking for a planar or a general
+/// scene (Mur-Artal et al. 2015, section IV): homography and essential matrix are fitted side by
+/// side, one is chosen by score, its motion hypotheses compete by the points they put in front of
+/// both cameras, and the winner is refined by bundle adjustment. It refuses rather than guess.
+/// Deterministic. All storage is allocated by the constructor; a result that is used again is not
+/// reallocated.
+class TwoViewInitializer {
+ public:
+  TwoViewInitializer(const TwoViewSettings& settings, const Intrinsics& camera, int max_matches);
+
+  /// first[i] and second[i]: undistorted pixels of match i. Matches beyond max_matches are ignored.
+  /// True if `result` holds a reconstruction; else its `refusal` says why not.
+  bool reconstruct(std::span<const Eigen::Vector2f> first, std::span<const Eigen::Vector2f> second,
+                   TwoViewResult& result);
+
+ private:
+  using Refusal = TwoViewResult::Refusal;
+  struct Hypothesis {
+    Pose T_second_first;
+    int points = 0;   // in front of both cameras and reprojected within the noise
+    double cost = 0;  // robust, [sigma^2], after refinement
+  };
+
+  Refusal attempt(TwoViewResult& result);
+  Refusal proposeMotions(TwoViewResult& result, std::span<Hypothesis>& contenders);
+  Refusal chooseMotion(std::span<Hypothesis> contenders, Pose& T_second_first);
+  Refusal acceptPoints(const Pose& T_second_first, TwoViewResult& result);
+  bool triangulateMatch(const Pose& T_second_first, int match, Eigen::Vector3d& point,
+                        double* chi2 = nullptr) const;
+  double refine(Pose& T_second_first);
+
+  TwoViewSettings settings_;
+  Intrinsics camera_;
+  TwoViewMatches matches_;
+  BundleAdjuster adjuster_;
+  std::array<Hypothesis, 8> hypotheses_;
+  std::vector<std::uint8_t> selected_;  // per match: agrees with the model chosen
+  int model_inliers_ = 0;
+  std::vector<double> parallax_deg_;  // scratch for the median
+};
+
+}  // namespace depthscope::slam

@@ -7,17 +7,30 @@
 namespace depthscope::slam {
 namespace {
 
+#pragma GCC diagnostic ignored "-Wpsabi"
 using Byte = std::uint8_t;
+/// 16 or 32 pixels side by side, worked on together.
+using Bytes16 = Byte __attribute__((vector_size(16)));
+using Bytes32 = Byte __attribute__((vector_size(32)));
 
-DEPTHSCOPE_KERNEL Byte lower(Byte a, Byte b) {
+// Each for one pixel or for a vector of them; passed by reference since how vectors are passed by
+// value depends on the instruction set.
+template <class V>
+DEPTHSCOPE_KERNEL void load(const Byte* from, V& to) {
+  std::memcpy(&to, from, sizeof(V));
+}
+template <class V>
+DEPTHSCOPE_KERNEL V lower(const V& a, const V& b) {
   return a < b ? a : b;
 }
-DEPTHSCOPE_KERNEL Byte upper(Byte a, Byte b) {
+template <class V>
+DEPTHSCOPE_KERNEL V upper(const V& a, const V& b) {
   return a > b ? a : b;
 }
 /// a - b, but not below 0.
-DEPTHSCOPE_KERNEL Byte excess(Byte a, Byte b) {
-  return static_cast<Byte>(upper(a, b) - b);
+template <class V>
+DEPTHSCOPE_KERNEL V excess(const V& a, const V& b) {
+  return static_cast<V>(upper(a, b) - b);
 }
 
 /// Offsets of the 16 pixels of the circle, in order around it.
@@ -29,26 +42,29 @@ DEPTHSCOPE_KERNEL std::array<std::ptrdiff_t, 16> circleOffsets(std::ptrdiff_t st
   return offsets;
 }
 
-/// The score from the 16 pixels of the circle. The two arcs of nine that share the eight pixels
-/// k+1..k+8 are taken together: best of (min8, end k) and (min8, end k+9) = min(min8, max(ends)).
-DEPTHSCOPE_KERNEL Byte scoreOf(const std::array<Byte, 16>& ring, Byte centre) {
-  Byte low2[8], low4[8], high2[8], high4[8];
+/// The score at `p`. The two arcs of nine that share the eight pixels k+1..k+8 are taken together:
+/// best of (min8, end k) and (min8, end k+9) = min(min8, max(ends)).
+template <class V>
+DEPTHSCOPE_KERNEL void scoreAt(const Byte* p, const std::array<std::ptrdiff_t, 16>& offsets,
+                               V& score) {
+  V ring[16], low2[8], high2[8], low4[8], high4[8], centre;
+  load(p, centre);
+  for (int k = 0; k < 16; ++k) load(p + offsets[k], ring[k]);
   for (int i = 0; i < 8; ++i) {
-    const Byte a = ring[2 * i + 1], b = ring[(2 * i + 2) % 16];
-    low2[i] = lower(a, b);
-    high2[i] = upper(a, b);
+    low2[i] = lower(ring[2 * i + 1], ring[(2 * i + 2) % 16]);
+    high2[i] = upper(ring[2 * i + 1], ring[(2 * i + 2) % 16]);
   }
   for (int i = 0; i < 8; ++i) {
     low4[i] = lower(low2[i], low2[(i + 1) % 8]);
     high4[i] = upper(high2[i], high2[(i + 1) % 8]);
   }
-  Byte brightest = 0, darkest = 255;
+  V brightest = centre, darkest = centre;  // so that neither difference is below zero
   for (int i = 0; i < 8; ++i) {
-    const Byte a = ring[2 * i], b = ring[(2 * i + 9) % 16];
+    const V &a = ring[2 * i], &b = ring[(2 * i + 9) % 16];
     brightest = upper(brightest, lower(lower(low4[i], low4[(i + 2) % 8]), upper(a, b)));
     darkest = lower(darkest, upper(upper(high4[i], high4[(i + 2) % 8]), lower(a, b)));
   }
-  return upper(excess(brightest, centre), excess(centre, darkest));
+  score = upper(static_cast<V>(brightest - centre), static_cast<V>(centre - darkest));
 }
 
 /// Marks with non-zero the pixels that may have a score above `threshold`: of any two opposite
@@ -68,39 +84,32 @@ DEPTHSCOPE_KERNEL void markCandidates(const Byte* row, std::ptrdiff_t stride, in
   }
 }
 
-template <int Width>
-DEPTHSCOPE_KERNEL void scoreBlock(const Byte* p, const std::array<std::ptrdiff_t, 16>& o,
-                                  Byte threshold, Byte* score) {
-  for (int i = 0; i < Width; ++i) {
-    std::array<Byte, 16> ring;
-    for (int k = 0; k < 16; ++k) ring[k] = p[o[k] + i];
-    const Byte s = scoreOf(ring, p[i]);
-    score[i] = s > threshold ? s : Byte{0};
-  }
-}
-
-template <int Width>
+template <class V>
 DEPTHSCOPE_KERNEL bool anySet(const Byte* p) {
-  std::uint64_t words[Width / 8];
-  std::memcpy(words, p, Width);
+  std::uint64_t words[sizeof(V) / 8];
+  std::memcpy(words, p, sizeof(V));
   std::uint64_t any = 0;
   for (const std::uint64_t w : words) any |= w;
   return any != 0;
 }
 
 /// Scores of the pixels begin..end-1 of a row; zero where not above the threshold. May write up to
-/// a block beyond `end`.
-template <int Width>
+/// a vector beyond `end`.
+template <class V>
 DEPTHSCOPE_KERNEL void scoreRowKernel(const Byte* row, std::ptrdiff_t stride, int begin, int end,
                                       Byte threshold, Byte* mark, Byte* score) {
+  constexpr int kWidth = sizeof(V);
   const auto offsets = circleOffsets(stride);
-  markCandidates(row, stride, begin, (end - begin + Width - 1) / Width * Width + begin, threshold,
-                 mark);
-  for (int x = begin; x < end; x += Width) {
-    if (anySet<Width>(mark + x))
-      scoreBlock<Width>(row + x, offsets, threshold, score + x);
-    else
-      std::memset(score + x, 0, Width);
+  const V thresholds = V{} + threshold;
+  markCandidates(row, stride, begin, (end - begin + kWidth - 1) / kWidth * kWidth + begin,
+                 threshold, mark);
+  for (int x = begin; x < end; x += kWidth) {
+    V scores{};
+    if (anySet<V>(mark + x)) {
+      scoreAt(row + x, offsets, scores);
+      scores = scores > thresholds ? scores : V{};
+    }
+    std::memcpy(score + x, &scores, kWidth);
   }
 }
 
@@ -112,7 +121,7 @@ DEPTHSCOPE_KERNEL void suppressKernel(const Byte* above, const Byte* row, const 
     const Byte after = upper(upper(below[x - 1], below[x]), upper(below[x + 1], row[x + 1]));
     const Byte s = row[x];
     // Unsigned bytes: s > before and s >= after, without branches.
-    const Byte rival = upper(before, excess(after, 1));
+    const Byte rival = upper(before, excess(after, Byte{1}));
     maxima[x] = s > rival ? s : Byte{0};
   }
 }
@@ -124,7 +133,7 @@ struct Kernels {
 
 void scorePortable(const Byte* row, std::ptrdiff_t stride, int begin, int end, Byte threshold,
                    Byte* mark, Byte* score) {
-  scoreRowKernel<16>(row, stride, begin, end, threshold, mark, score);
+  scoreRowKernel<Bytes16>(row, stride, begin, end, threshold, mark, score);
 }
 void suppressPortable(const Byte* above, const Byte* row, const Byte* below, int begin, int end,
                       Byte* maxima) {
@@ -134,7 +143,7 @@ void suppressPortable(const Byte* above, const Byte* row, const Byte* below, int
 #if DEPTHSCOPE_HAS_AVX2
 DEPTHSCOPE_AVX2 void scoreAvx2(const Byte* row, std::ptrdiff_t stride, int begin, int end,
                                Byte threshold, Byte* mark, Byte* score) {
-  scoreRowKernel<32>(row, stride, begin, end, threshold, mark, score);
+  scoreRowKernel<Bytes32>(row, stride, begin, end, threshold, mark, score);
 }
 DEPTHSCOPE_AVX2 void suppressAvx2(const Byte* above, const Byte* row, const Byte* below, int begin,
                                   int end, Byte* maxima) {
@@ -163,10 +172,9 @@ void appendMaxima(const Byte* maxima, int begin, int end, int y, std::vector<Cor
 }  // namespace
 
 int fastScore(const std::uint8_t* centre, std::ptrdiff_t stride) {
-  const auto offsets = circleOffsets(stride);
-  std::array<Byte, 16> ring;
-  for (int k = 0; k < 16; ++k) ring[k] = centre[offsets[k]];
-  return scoreOf(ring, *centre);
+  Byte score = 0;
+  scoreAt(centre, circleOffsets(stride), score);
+  return score;
 }
 
 FastDetector::FastDetector(int width)

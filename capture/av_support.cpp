@@ -60,7 +60,7 @@ AvPtr<AVPacket> makeAvPacket() {
   return packet;
 }
 
-AvPtr<AVCodecContext> openDecoder(const AVCodecParameters& parameters) {
+AvPtr<AVCodecContext> openDecoder(const AVCodecParameters& parameters, bool strict) {
   const AVCodec* decoder = avcodec_find_decoder(parameters.codec_id);
   if (!decoder) return nullptr;
   AvPtr<AVCodecContext> codec(avcodec_alloc_context3(decoder));
@@ -70,6 +70,8 @@ AvPtr<AVCodecContext> openDecoder(const AVCodecParameters& parameters) {
   // A damaged picture, marked as such, rather than a gap that would shift the time of all that
   // follow.
   codec->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
+  if (strict)
+    codec->err_recognition |= AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   if (avcodec_open2(codec.get(), decoder, nullptr) < 0) return nullptr;
   return codec;
 }
@@ -93,6 +95,11 @@ std::optional<FrameFormat> frameFormatOf(const AVFrame& picture) {
   result.width = picture.width;
   result.height = picture.height;
   result.matrix = matrixOf(picture);
+  if (result.pixel_format == PixelFormat::Rgb24 || result.pixel_format == PixelFormat::Bgr24) {
+    result.matrix = YuvMatrix::Bt601;  // neither has a meaning: equal formats must compare equal
+    result.range = YuvRange::Full;
+    return result;
+  }
   const bool full = picture.color_range == AVCOL_RANGE_JPEG || isJpegFormat(picture.format);
   result.range = full ? YuvRange::Full : YuvRange::Limited;
   return result;

@@ -31,7 +31,8 @@ AvPtr<AVFrame> makeAvFrame();
 AvPtr<AVPacket> makeAvPacket();
 /// An open single-threaded decoder, or null when libav has none for these parameters. One thread,
 /// because what frame threads make of a damaged stream depends on their timing.
-AvPtr<AVCodecContext> openDecoder(const AVCodecParameters& parameters);
+/// `strict`: what is not sound is not decoded at all, rather than as far as it goes.
+AvPtr<AVCodecContext> openDecoder(const AVCodecParameters& parameters, bool strict = false);
 
 /// Keeps libav* from writing to standard error: what goes wrong is said by our own messages.
 void silenceAv();

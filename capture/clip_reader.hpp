@@ -12,7 +12,7 @@ struct ClipDamage {
   std::uint64_t unreadable = 0;  // packets or images that did not decode
   std::uint64_t concealed = 0;   // pictures that came out damaged
   std::int64_t read = 0;         // pictures of the last pass that broke off early
-  std::int64_t announced = 0;    // what the container had announced for it; 0: none broke off
+  std::int64_t announced = 0;    // what its container had announced; 0: none broke off
 };
 
 /// The pictures of a clip in their order, decoded. Used from one thread. The same clip gives the

@@ -46,7 +46,7 @@ AvPtr<AVCodecContext> openImageDecoder(AVCodecID codec) {
   parameters.codec_type = AVMEDIA_TYPE_VIDEO;
   parameters.codec_id = codec;
   parameters.format = AV_PIX_FMT_NONE;
-  AvPtr<AVCodecContext> decoder = openDecoder(parameters);
+  AvPtr<AVCodecContext> decoder = openDecoder(parameters, true);
   if (!decoder)
     throw InputError(std::string("libavcodec on this machine cannot decode ") +
                      avcodec_get_name(codec) + " pictures");

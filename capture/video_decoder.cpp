@@ -1,5 +1,6 @@
 #include "capture/video_decoder.hpp"
 
+#include <cmath>
 #include <new>
 
 extern "C" {
@@ -20,6 +21,8 @@ constexpr const char* kContainers =
     "nut,"
     "wtv,yuv4mpegpipe";
 
+constexpr double kSlack_s = 1;
+
 AvPtr<AVFormatContext> openContainer(const std::filesystem::path& path) {
   AVFormatContext* context = avformat_alloc_context();
   if (!context) throw std::bad_alloc();
@@ -28,10 +31,10 @@ AvPtr<AVFormatContext> openContainer(const std::filesystem::path& path) {
   // On failure avformat_open_input frees the context itself.
   const int error =
       avformat_open_input(&context, ("file:" + path.string()).c_str(), nullptr, nullptr);
-  if (error < 0)
-    throw InputError(path.string() +
-                     ": cannot be read as a video, it is of another kind or truncated (" +
-                     avErrorText(error) + ")");
+  if (error < 0)  // EINVAL: a format that is not on the list
+    throw InputError(path.string() + ": not a video that can be read" +
+                     (error == AVERROR(EINVAL) ? "" : " (" + avErrorText(error) + ")") +
+                     ", expected mp4, mov, mkv, avi or the like, not truncated");
   return AvPtr<AVFormatContext>(context);
 }
 
@@ -64,6 +67,7 @@ void VideoDecoder::open() {
   fps_ = rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0;
   frame_count_ = stream->nb_frames;
   decoded_ = 0;
+  last_pts_ = AV_NOPTS_VALUE;
   draining_ = false;
 }
 
@@ -72,6 +76,7 @@ ClipReader::Outcome VideoDecoder::next(AVFrame& picture) {
     const int result = avcodec_receive_frame(codec_.get(), &picture);
     if (result == 0) {
       ++decoded_;
+      last_pts_ = picture.best_effort_timestamp;
       if (isDamaged(picture)) ++damage_.concealed;
       return Outcome::Picture;
     }
@@ -103,9 +108,19 @@ void VideoDecoder::feed() {
 }
 
 void VideoDecoder::finishPass() {
-  if (frame_count_ <= decoded_) return;
+  std::int64_t announced = frame_count_;
+  // Containers that announce no number of frames may announce a duration; sound that goes on a
+  // little longer than the picture is no damage.
+  const double last_s =
+      static_cast<double>(last_pts_) * av_q2d(container_->streams[stream_]->time_base);
+  const double end_s = static_cast<double>(container_->duration) / AV_TIME_BASE;
+  if (announced == 0 && last_pts_ != AV_NOPTS_VALUE &&
+      container_->duration_estimation_method == AVFMT_DURATION_FROM_STREAM &&
+      end_s - last_s > kSlack_s)
+    announced = std::llround(end_s * fps_);
+  if (announced <= decoded_) return;
   damage_.read = decoded_;
-  damage_.announced = frame_count_;
+  damage_.announced = announced;
 }
 
 bool VideoDecoder::rewind() {

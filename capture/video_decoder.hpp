@@ -29,10 +29,11 @@ class VideoDecoder final : public ClipReader {
   AvPtr<AVCodecContext> codec_;
   AvPtr<AVPacket> packet_;
   int stream_ = -1;
-  double fps_ = 0;                // [1/s]
-  std::int64_t frame_count_ = 0;  // announced by the container, 0: not
-  std::int64_t decoded_ = 0;      // in this pass
-  bool draining_ = false;         // the container has no more packets
+  double fps_ = 0;                          // [1/s]
+  std::int64_t frame_count_ = 0;            // announced by the container, 0: not
+  std::int64_t decoded_ = 0;                // in this pass
+  std::int64_t last_pts_ = AV_NOPTS_VALUE;  // [time base of the stream]
+  bool draining_ = false;                   // the container has no more packets
   ClipDamage damage_;
 };
 

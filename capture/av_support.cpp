@@ -94,14 +94,19 @@ std::optional<FrameFormat> frameFormatOf(const AVFrame& picture) {
   result.pixel_format = nearestFormat(format, *descriptor);
   result.width = picture.width;
   result.height = picture.height;
-  result.matrix = matrixOf(picture);
-  if (result.pixel_format == PixelFormat::Rgb24 || result.pixel_format == PixelFormat::Bgr24) {
-    result.matrix = YuvMatrix::Bt601;  // neither has a meaning: equal formats must compare equal
-    result.range = YuvRange::Full;
-    return result;
-  }
   const bool full = picture.color_range == AVCOL_RANGE_JPEG || isJpegFormat(picture.format);
   result.range = full ? YuvRange::Full : YuvRange::Limited;
+  switch (
+      result.pixel_format) {  // what has no meaning is always the same: equal formats compare equal
+    case PixelFormat::Yuv420p:
+    case PixelFormat::Nv12:
+      result.matrix = matrixOf(picture);
+      break;
+    case PixelFormat::Gray8:
+      break;
+    default:
+      result.range = YuvRange::Full;
+  }
   return result;
 }
 

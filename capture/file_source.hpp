@@ -20,7 +20,7 @@ struct FileSourceSettings {
   bool loop = false;  // start again at the end; sequence numbers and media times go on
   double fps = 0;     // [1/s] overrides the clip's rate, up to 1000; 0: the clip's own (else 30)
   int buffers = 4;    // pool size, 2 to 64
-  std::vector<FaultEvent> faults;
+  std::vector<FaultEvent> faults{};
 };
 
 /// Opens a clip and decodes its first picture. Throws InputError (missing, empty, truncated, not a

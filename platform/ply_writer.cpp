@@ -17,15 +17,12 @@ void put(std::ostream& out, const Eigen::Vector3f& v) {
   out.write(reinterpret_cast<const char*>(v.data()), 3 * sizeof(float));
 }
 
-constexpr const char* header_start = "ply\nformat binary_little_endian 1.0\nelement vertex ";
-constexpr const char* header_vertex =
-    "\nproperty float x\nproperty float y\nproperty float z\n"
-    "property float nx\nproperty float ny\nproperty float nz\n";
-
 }  // namespace
 
 void writePly(std::ostream& out, const SurfaceMesh& mesh) {
-  out << header_start << mesh.vertices.size() << header_vertex << "property float confidence\nelement face "
+  out << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertices.size()
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+         "property float nz\nproperty float confidence\nelement face "
       << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     put(out, mesh.vertices[i]);
@@ -35,15 +32,6 @@ void writePly(std::ostream& out, const SurfaceMesh& mesh) {
   for (const auto& triangle : mesh.triangles) {
     put(out, std::uint8_t{3});
     for (std::uint32_t index : triangle) put(out, index);
-  }
-}
-
-void writePly(std::ostream& out, const SparseCloud& cloud) {
-  out << header_start << cloud.points.size() << header_vertex << "property int observations\nend_header\n";
-  for (const SparsePoint& p : cloud.points) {
-    put(out, p.position);
-    put(out, p.view_direction);
-    put(out, p.observations);
   }
 }
 

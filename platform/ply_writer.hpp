@@ -1,7 +1,6 @@
 #pragma once
 #include <iosfwd>
 
-#include "types/sparse_cloud.hpp"
 #include "types/surface_mesh.hpp"
 
 namespace depthscope::platform {
@@ -9,8 +8,5 @@ namespace depthscope::platform {
 /// Writes a surface as binary little-endian PLY: x y z nx ny nz confidence, triangles. Equal meshes give
 /// equal bytes. An empty mesh gives a valid file without vertices.
 void writePly(std::ostream& out, const SurfaceMesh& mesh);
-
-/// Writes the sparse points as binary little-endian PLY: x y z, nx ny nz (towards the cameras), observations.
-void writePly(std::ostream& out, const SparseCloud& cloud);
 
 }  // namespace depthscope::platform

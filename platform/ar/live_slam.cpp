@@ -1,0 +1,58 @@
+#include "platform/ar/live_slam.hpp"
+
+#include "platform/log.hpp"
+#include "types/allocation_scope.hpp"
+
+namespace depthscope::platform {
+LiveSlam::LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam, const recon::ReconSettings& recon)
+    : slam_(camera, slam, slam::MappingMode::Threaded),
+      schedule_(recon.period_s),
+      worker_(recon, [this](const recon::ReconReport& report) {
+        if (report.status == recon::ReconStatus::OutOfMemory || report.status == recon::ReconStatus::Failed)
+          log(LogPriority::Warning, "reconstruction failed", {{"points", report.points}});
+        if (report.status != recon::ReconStatus::Ok) return;
+        const std::lock_guard lock(times_mutex_);
+        reconstruct_ms_.add(report.duration_ms);
+      }) {
+  cloud_.points.reserve(static_cast<std::size_t>(slam.capacity.map_points));
+  cloud_.keyframes_T_camera_world.reserve(static_cast<std::size_t>(slam.capacity.keyframes));
+}
+
+PoseEstimate LiveSlam::track(const GrayView& luma, std::int64_t frame, double timestamp_s) {
+  PoseEstimate estimate;
+  {
+    const AllocationScope counted;
+    estimate = slam_.track(luma, frame, timestamp_s);
+  }
+  if (estimate.map_id != map_id_) {
+    worker_.cancel();
+    map_id_ = estimate.map_id;
+    schedule_.restart();
+  }
+  if (estimate.state == TrackingState::Tracking) requestWhenDue(estimate);
+  return estimate;
+}
+
+void LiveSlam::requestWhenDue(const PoseEstimate& estimate) {
+  const bool due = schedule_.due(estimate.timestamp_s);
+  if (!due && !surface_wanted_) return;
+  slam_.copyCloud(cloud_);
+  if (!worker_.request(cloud_)) return;  // busy with the exchange: the next frame asks again
+  surface_wanted_ = false;
+  schedule_.surfaceRequested(estimate.timestamp_s);
+}
+
+bool LiveSlam::takeSurface(SurfaceMesh& mesh) { return worker_.takeNewest(mesh) && mesh.map_id == map_id_; }
+
+void LiveSlam::reset() {
+  worker_.cancel();
+  slam_.reset();
+  schedule_.restart();
+}
+
+Histogram LiveSlam::reconstructTimes() const {
+  const std::lock_guard lock(times_mutex_);
+  return reconstruct_ms_;
+}
+
+}  // namespace depthscope::platform

@@ -1,0 +1,44 @@
+#pragma once
+#include <mutex>
+#include <vector>
+
+#include "platform/histogram.hpp"
+#include "platform/surface_schedule.hpp"
+#include "recon/reconstruction_worker.hpp"
+#include "slam/slam_system.hpp"
+
+namespace depthscope::platform {
+
+/// SLAM and reconstruction as they run live: tracking in the caller's thread, mapping and reconstruction
+/// in threads of their own; a new surface is asked for every period or on demand.
+class LiveSlam {
+ public:
+  LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam, const recon::ReconSettings& recon);
+
+  /// Tracks one picture and asks for a surface when one is due. From one thread.
+  PoseEstimate track(const GrayView& luma, std::int64_t frame, double timestamp_s);
+  /// The next tracked frame asks for a surface. From the tracking thread.
+  void requestSurface() { surface_wanted_ = true; }
+  /// Swaps the newest surface into `mesh` if there is a new one, of the active map.
+  bool takeSurface(SurfaceMesh& mesh);
+  /// Forgets everything and starts over. From the tracking thread.
+  void reset();
+
+  const slam::SlamSystem& slam() const { return slam_; }
+  /// Times of the surfaces made so far [ms].
+  Histogram reconstructTimes() const;
+
+ private:
+  void requestWhenDue(const PoseEstimate& estimate);
+
+  slam::SlamSystem slam_;
+  SurfaceSchedule schedule_;
+  bool surface_wanted_ = false;
+  std::uint32_t map_id_ = 0;
+  SparseCloud cloud_;
+  mutable std::mutex times_mutex_;
+  Histogram reconstruct_ms_;             // guarded by times_mutex_
+  recon::ReconstructionWorker worker_;   // last: its thread uses what stands above
+};
+
+}  // namespace depthscope::platform

@@ -1,0 +1,53 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "capture/file_source.hpp"
+#include "platform/replay/overlay_recorder.hpp"
+#include "platform/replay/replay_options.hpp"
+#include "platform/replay/run_record.hpp"
+
+namespace depthscope::platform {
+
+/// The clip and what its file says about it.
+struct ReplayClip {
+  static constexpr std::int64_t unknown_frames = 216000;  // two hours at 30 fps
+  std::unique_ptr<capture::FrameSource> source;
+  double fps = 0;             // camera file's, else the clip's
+  std::int64_t frames = 0;    // 0: not known before its end
+
+  /// Frames to make room for.
+  std::int64_t frameCapacity() const { return frames > 0 ? frames : unknown_frames; }
+  double time(std::uint64_t frame) const { return static_cast<double>(frame) / fps; }
+};
+
+/// Opens the clip and checks the camera file against it. Throws InputError.
+ReplayClip openReplayClip(const ReplayOptions& options);
+
+/// The SLAM settings, with room for the whole clip's trajectory.
+slam::SlamSettings slamSettings(const ReplayOptions& options, const ReplayClip& clip);
+
+/// The next picture, or an empty frame at the clip's end. Throws InputError when the clip is damaged or
+/// changes its size, std::runtime_error when the user interrupts.
+capture::Frame nextFrame(const ReplayOptions& options, ReplayClip& clip);
+
+/// Throws InputError when fewer pictures came than the clip's file announced.
+void requireComplete(const ReplayOptions& options, const ReplayClip& clip, std::int64_t frames);
+
+/// What a replay leaves besides the video.
+struct ReplayResult {
+  RunRecord record;
+  SparseCloud cloud;
+  SurfaceMesh surface;
+  std::vector<slam::StampedPose> trajectory;
+};
+
+/// Tracks every frame, maps before the next one, reconstructs every period and at the end: the same clip
+/// gives the same result. `recorder` may be null.
+ReplayResult replayLockstep(const ReplayOptions& options, ReplayClip& clip, OverlayRecorder* recorder);
+
+/// Plays at the clip's rate with tracking, mapping and reconstruction in threads of their own; late frames are
+/// dropped. `recorder` may be null.
+ReplayResult replayRealtime(const ReplayOptions& options, ReplayClip& clip, OverlayRecorder* recorder);
+
+}  // namespace depthscope::platform

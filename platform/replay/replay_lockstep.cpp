@@ -1,0 +1,111 @@
+#include "capture/pixel_convert.hpp"
+#include "platform/label_board.hpp"
+#include "platform/log.hpp"
+#include "platform/replay/replay_clip.hpp"
+#include "platform/stopwatch.hpp"
+#include "platform/surface_schedule.hpp"
+#include "recon/reconstructor.hpp"
+#include "types/allocation_scope.hpp"
+
+namespace depthscope::platform {
+namespace {
+
+class LockstepReplay {
+ public:
+  LockstepReplay(const ReplayOptions& options, ReplayClip& clip, OverlayRecorder* recorder)
+      : options_(options),
+        clip_(clip),
+        recorder_(recorder),
+        slam_(options.camera, slamSettings(options, clip), slam::MappingMode::Lockstep),
+        reconstructor_(options.settings.recon),
+        labels_(options.labels),
+        gray_(static_cast<std::size_t>(options.camera.width) * static_cast<std::size_t>(options.camera.height)),
+        schedule_(options.settings.recon.period_s),
+        result_{RunRecord(clip.frameCapacity()), {}, {}, {}} {}
+
+  ReplayResult run() {
+    std::int64_t frames = 0;
+    for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty(); frame = nextFrame(options_, clip_)) {
+      const PoseEstimate estimate = track(frame);
+      reconstructWhenDue(estimate);
+      show(frame, estimate);
+      ++frames;
+    }
+    requireComplete(options_, clip_, frames);
+    return finish(frames);
+  }
+
+ private:
+  PoseEstimate track(const capture::Frame& frame) {
+    const AllocationScope counted;
+    GrayView luma = frame.luma();
+    if (luma.empty()) {
+      capture::toGray(frame, gray_);
+      luma = {gray_.data(), options_.camera.width, options_.camera.height, options_.camera.width};
+    }
+    const auto index = static_cast<std::int64_t>(frame.sequence);
+    const PoseEstimate estimate = slam_.track(luma, index, clip_.time(frame.sequence));
+    result_.record.add(estimate, slam_.lastTimes());
+    return estimate;
+  }
+
+  void reconstructWhenDue(const PoseEstimate& estimate) {
+    if (!options_.surface || estimate.state != TrackingState::Tracking || !schedule_.due(estimate.timestamp_s)) return;
+    schedule_.surfaceRequested(estimate.timestamp_s);
+    if (!reconstruct() || recorder_ == nullptr) return;
+    recorder_->compositor().setSurface(result_.surface);
+    if (labels_.anchorWaiting(result_.surface, options_.camera, estimate))
+      recorder_->compositor().setLabels(labels_.labels());
+  }
+
+  bool reconstruct() {
+    RunMetrics& metrics = result_.record.metrics();
+    const Stopwatch watch;
+    slam_.copyCloud(result_.cloud);
+    const recon::ReconStatus status = reconstructor_.reconstruct(result_.cloud, result_.surface);
+    if (status == recon::ReconStatus::OutOfMemory || status == recon::ReconStatus::Failed)
+      log(LogPriority::Warning, "reconstruction failed", {{"points", result_.cloud.points.size()}});
+    if (status != recon::ReconStatus::Ok) return false;
+    metrics.reconstruct.add(watch.elapsedMs());
+    ++metrics.surfaces;
+    return true;
+  }
+
+  void show(const capture::Frame& frame, const PoseEstimate& estimate) {
+    if (recorder_ == nullptr) return;
+    recorder_->show(frame, overlayState(estimate, 0), estimate.frame, VideoQueue::WhenFull::Wait,
+                    result_.record.metrics().composite);
+  }
+
+  ReplayResult finish(std::int64_t frames) {
+    result_.record.close();
+    if (options_.surface) reconstruct();
+    slam_.copyCloud(result_.cloud);
+    // A surface of a map that was given up since is not in the trajectory's frame.
+    if (result_.surface.map_id != result_.cloud.map_id) result_.surface.clear();
+    RunMetrics& metrics = result_.record.metrics();
+    metrics.frames = frames;
+    metrics.slam = slam_.statistics();
+    metrics.surface_triangles = result_.surface.triangles.size();
+    result_.trajectory = slam_.correctedTrajectory();
+    return std::move(result_);
+  }
+
+  const ReplayOptions& options_;
+  ReplayClip& clip_;
+  OverlayRecorder* recorder_;
+  slam::SlamSystem slam_;
+  recon::Reconstructor reconstructor_;
+  LabelBoard labels_;
+  std::vector<std::uint8_t> gray_;
+  SurfaceSchedule schedule_;
+  ReplayResult result_;
+};
+
+}  // namespace
+
+ReplayResult replayLockstep(const ReplayOptions& options, ReplayClip& clip, OverlayRecorder* recorder) {
+  return LockstepReplay(options, clip, recorder).run();
+}
+
+}  // namespace depthscope::platform

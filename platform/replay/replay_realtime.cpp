@@ -1,0 +1,92 @@
+#include "capture/pixel_convert.hpp"
+#include "platform/label_board.hpp"
+#include "platform/replay/replay_clip.hpp"
+#include "platform/replay/tracking_thread.hpp"
+
+namespace depthscope::platform {
+namespace {
+
+class RealtimeReplay {
+ public:
+  RealtimeReplay(const ReplayOptions& options, ReplayClip& clip, OverlayRecorder* recorder)
+      : options_(options),
+        clip_(clip),
+        recorder_(recorder),
+        labels_(options.labels),
+        gray_(static_cast<std::size_t>(options.camera.width) * static_cast<std::size_t>(options.camera.height)),
+        tracking_(options.camera, slamSettings(options, clip), reconSettings(options), clip.frameCapacity()) {}
+
+  ReplayResult run() {
+    std::int64_t frames = 0;
+    for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty(); frame = nextFrame(options_, clip_)) {
+      frames = static_cast<std::int64_t>(frame.sequence) + 1;
+      offer(frame);
+      if (recorder_ != nullptr) show(frame);
+    }
+    requireComplete(options_, clip_, frames);
+    return finish(frames);
+  }
+
+ private:
+  static recon::ReconSettings reconSettings(const ReplayOptions& options) {
+    recon::ReconSettings settings = options.settings.recon;
+    if (!options.surface) settings.period_s = 0;
+    return settings;
+  }
+
+  void offer(const capture::Frame& frame) {
+    GrayView luma = frame.luma();
+    if (luma.empty()) {
+      capture::toGray(frame, gray_);
+      luma = {gray_.data(), options_.camera.width, options_.camera.height, options_.camera.width};
+    }
+    tracking_.offer(luma, static_cast<std::int64_t>(frame.sequence), clip_.time(frame.sequence));
+  }
+
+  void show(const capture::Frame& frame) {
+    const PoseEstimate estimate = tracking_.newest();
+    if (tracking_.takeSurface(surface_)) {
+      recorder_->compositor().setSurface(surface_);
+      if (labels_.anchorWaiting(surface_, options_.camera, estimate)) recorder_->compositor().setLabels(labels_.labels());
+    }
+    const double age_s = clip_.time(frame.sequence) - estimate.timestamp_s;
+    recorder_->show(frame, overlayState(estimate, static_cast<float>(1e3 * age_s)),
+                    static_cast<std::int64_t>(frame.sequence), VideoQueue::WhenFull::GiveUp, composite_ms_);
+  }
+
+  ReplayResult finish(std::int64_t frames) {
+    tracking_.stop();
+    tracking_.takeSurface(surface_);
+    const slam::SlamSystem& slam = tracking_.live().slam();
+    ReplayResult result{std::move(tracking_.record()), {}, std::move(surface_), slam.correctedTrajectory()};
+    result.record.close();
+    slam.copyCloud(result.cloud);
+    if (result.surface.map_id != result.cloud.map_id) result.surface.clear();
+    RunMetrics& metrics = result.record.metrics();
+    metrics.frames = frames;
+    metrics.dropped_frames = frames - static_cast<std::int64_t>(metrics.track.count());
+    metrics.slam = slam.statistics();
+    metrics.reconstruct = tracking_.live().reconstructTimes();
+    metrics.surfaces = static_cast<std::int64_t>(metrics.reconstruct.count());
+    metrics.surface_triangles = result.surface.triangles.size();
+    metrics.composite = composite_ms_;
+    return result;
+  }
+
+  const ReplayOptions& options_;
+  ReplayClip& clip_;
+  OverlayRecorder* recorder_;
+  LabelBoard labels_;
+  std::vector<std::uint8_t> gray_;
+  SurfaceMesh surface_;
+  Histogram composite_ms_;
+  TrackingThread tracking_;  // last: its thread ends first
+};
+
+}  // namespace
+
+ReplayResult replayRealtime(const ReplayOptions& options, ReplayClip& clip, OverlayRecorder* recorder) {
+  return RealtimeReplay(options, clip, recorder).run();
+}
+
+}  // namespace depthscope::platform

@@ -1,0 +1,106 @@
+#include "platform/replay/run_record.hpp"
+
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "platform/allocation_hook.hpp"
+
+namespace depthscope::platform {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json stageJson(const Histogram& h) {
+  return {{"count", h.count()},
+          {"p50", h.percentile(0.5)},
+          {"p95", h.percentile(0.95)},
+          {"p99", h.percentile(0.99)},
+          {"max", h.max()}};
+}
+
+double peakResidentMb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+/// One line of TUM format; fixed digits, so that equal poses give equal bytes.
+void writePose(std::ofstream& out, double timestamp_s, const Pose& T_world_camera) {
+  Eigen::Quaterniond q = T_world_camera.quaternion();
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+  const Eigen::Vector3d& t = T_world_camera.t;
+  char line[256];
+  std::snprintf(line, sizeof line, "%.6f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", timestamp_s, t.x(), t.y(), t.z(),
+                q.x(), q.y(), q.z(), q.w());
+  out << line;
+}
+
+void closeChecked(std::ofstream& out, const std::filesystem::path& path) {
+  out.close();
+  if (!out) throw std::runtime_error(path.string() + ": cannot be written");
+}
+
+}  // namespace
+
+void RunRecord::add(const PoseEstimate& estimate, const slam::StageTimes& times) {
+  metrics_.extract.add(times.extract_ms);
+  metrics_.track.add(times.track_ms);
+  if (times.map_ms >= 0) metrics_.map.add(times.map_ms);
+  if (estimate.state != TrackingState::Tracking) return;
+  if (metrics_.first_tracked_frame < 0) {
+    metrics_.first_tracked_frame = estimate.frame;
+    allocations_when_warm_ = countedAllocations();
+  }
+  ++metrics_.tracked_frames;
+  live_.push_back(estimate);
+}
+
+void RunRecord::close() {
+  const auto allocations = countedAllocations();
+  if (allocations) metrics_.steady_state_allocations = allocations_when_warm_ ? *allocations - *allocations_when_warm_ : 0;
+}
+
+void writeTrajectory(const std::filesystem::path& path, const std::vector<slam::StampedPose>& poses) {
+  std::ofstream out(path);
+  for (const slam::StampedPose& pose : poses) writePose(out, pose.timestamp_s, pose.T_world_camera);
+  closeChecked(out, path);
+}
+
+void writeLiveTrajectory(const std::filesystem::path& path, const std::vector<PoseEstimate>& live, std::uint32_t map_id) {
+  std::ofstream out(path);
+  for (const PoseEstimate& estimate : live)
+    if (estimate.map_id == map_id) writePose(out, estimate.timestamp_s, estimate.T_camera_world.inverse());
+  closeChecked(out, path);
+}
+
+void writeMetrics(const std::filesystem::path& path, const RunMetrics& m) {
+  Json json{{"frames", m.frames},
+            {"dropped_frames", m.dropped_frames},
+            {"tracked_frames", m.tracked_frames},
+            {"first_tracked_frame", m.first_tracked_frame},
+            {"lost_events", m.slam.lost_events},
+            {"relocalizations", m.slam.relocalizations},
+            {"loops_closed", m.slam.loops_closed},
+            {"maps", m.slam.maps},
+            {"keyframes", m.slam.keyframes},
+            {"map_points", m.slam.map_points},
+            {"surfaces", m.surfaces},
+            {"surface_triangles", m.surface_triangles},
+            {"map_mb", static_cast<double>(m.slam.map_bytes) / (1024.0 * 1024.0)},
+            {"peak_rss_mb", peakResidentMb()}};
+  json["steady_state_allocations"] = m.steady_state_allocations ? Json(*m.steady_state_allocations) : Json(nullptr);
+  json["extract_ms"] = stageJson(m.extract);
+  json["track_ms"] = stageJson(m.track);
+  json["map_ms"] = stageJson(m.map);
+  json["reconstruct_ms"] = stageJson(m.reconstruct);
+  json["composite_ms"] = stageJson(m.composite);
+  std::ofstream out(path);
+  out << json.dump(2) << '\n';
+  closeChecked(out, path);
+}
+
+}  // namespace depthscope::platform

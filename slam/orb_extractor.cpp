@@ -26,7 +26,7 @@ OrbExtractor::OrbExtractor(const ExtractorSettings& settings, const CameraModel&
       camera_(camera),
       path_(path),
       pyramid_(camera.width, camera.height, settings.levels, settings.scale_factor),
-      mask_(pyramid_, settings.specular_threshold, settings.dark_threshold),
+      mask_(pyramid_, settings),
       detector_(camera.width),
       blur_(camera.width),
       distribution_(camera.width, camera.height, maximaCapacity(pyramid_.level(0))),

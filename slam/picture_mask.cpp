@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace depthscope::slam {
 namespace {
@@ -10,75 +9,51 @@ namespace {
 constexpr int kSpecularCell = 4;  // [px] of full resolution
 constexpr int kCoarseStep = 2;    // [px] of the coarsest level per cell of the surroundings
 
+/// The brightest of each column of a row of cells. Behind the last column `highest` stays zero.
+void highestOfRows(const ImageBuffer& image, int y, std::uint8_t* __restrict highest) {
+  const std::uint8_t* rows[kSpecularCell];
+  for (int i = 0; i < kSpecularCell; ++i) rows[i] = image.row(std::min(y + i, image.height() - 1));
+  const std::uint8_t *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3];
+  const int width = image.width();
+  for (int x = 0; x < width; ++x) highest[x] = std::max(std::max(a[x], b[x]), std::max(c[x], d[x]));
+}
+
 enum Region : std::uint8_t { kBright, kDark, kOutside, kVisited, kInside };
 
 }  // namespace
 
-CellDistance::CellDistance(int width, int height, double cell)
-    : cell_(cell),
-      columns_(static_cast<int>(std::ceil(width / cell))),
-      rows_(static_cast<int>(std::ceil(height / cell))),
-      distance_(static_cast<std::size_t>(columns_) * rows_, kFar) {}
-
-void CellDistance::propagate() {
-  const auto relax = [](std::uint8_t& d, std::uint8_t neighbour, int step) {
-    d = static_cast<std::uint8_t>(std::min<int>(d, neighbour + step));
-  };
-  for (int r = 0; r < rows_; ++r) {
-    std::uint8_t* row = distance_.data() + r * columns_;
-    for (int c = 0; r > 0 && c < columns_; ++c) {
-      const std::uint8_t* above = row + c - columns_;
-      relax(row[c], above[0], 3);
-      if (c > 0) relax(row[c], above[-1], 4);
-      if (c + 1 < columns_) relax(row[c], above[1], 4);
-    }
-    for (int c = 1; c < columns_; ++c) relax(row[c], row[c - 1], 3);
-  }
-  for (int r = rows_ - 1; r >= 0; --r) {
-    std::uint8_t* row = distance_.data() + r * columns_;
-    for (int c = 0; r + 1 < rows_ && c < columns_; ++c) {
-      const std::uint8_t* below = row + c + columns_;
-      relax(row[c], below[0], 3);
-      if (c > 0) relax(row[c], below[-1], 4);
-      if (c + 1 < columns_) relax(row[c], below[1], 4);
-    }
-    for (int c = columns_ - 2; c >= 0; --c) relax(row[c], row[c + 1], 3);
-  }
-}
-
-PictureMask::PictureMask(const ImagePyramid& pyramid, int specular_threshold, int dark_threshold)
-    : specular_threshold_(specular_threshold),
-      dark_threshold_(dark_threshold),
+PictureMask::PictureMask(const ImagePyramid& pyramid, const ExtractorSettings& settings)
+    : settings_(settings),
       specular_(pyramid.level(0).width(), pyramid.level(0).height(), kSpecularCell),
       surroundings_(pyramid.level(0).width(), pyramid.level(0).height(),
                     kCoarseStep * pyramid.scale(pyramid.levels() - 1)),
+      brightness_(pyramid.level(pyramid.levels() - 1)),
       highest_(pyramid.level(0).stride()),
+      tissue_(specular_.columns()),
       region_(static_cast<std::size_t>(surroundings_.columns()) * surroundings_.rows()) {
   flood_.reserve(region_.size());
 }
 
 void PictureMask::update(const ImagePyramid& pyramid) {
+  const ImageBuffer& coarse = pyramid.level(pyramid.levels() - 1);
+  brightness_.update(coarse, settings_.dark_threshold);
   findSpeculars(pyramid.level(0));
-  findSurroundings(pyramid.level(pyramid.levels() - 1));
+  findSurroundings(coarse);
 }
 
+/// A highlight is saturated, or stands out from the tissue around it by more than texture does.
 void PictureMask::findSpeculars(const ImageBuffer& image) {
   specular_.clear();
-  const auto below = static_cast<std::uint8_t>(std::clamp(specular_threshold_ - 1, 0, 255));
+  const auto contrast = static_cast<std::uint32_t>(std::lround(settings_.specular_contrast * 256));
   bool any = false;
   for (int r = 0; r < specular_.rows(); ++r) {
-    const std::uint8_t* rows[kSpecularCell];
-    for (int i = 0; i < kSpecularCell; ++i)
-      rows[i] = image.row(std::min(r * kSpecularCell + i, image.height() - 1));
-    for (int x = 0; x < image.width(); ++x) {
-      const std::uint8_t high =
-          std::max(std::max(rows[0][x], rows[1][x]), std::max(rows[2][x], rows[3][x]));
-      highest_[x] = static_cast<std::uint8_t>(std::max(high, below) - below);
-    }
+    highestOfRows(image, r * kSpecularCell, highest_.data());
+    brightness_.sampleRow((r + 0.5) / specular_.rows(), tissue_);
     for (int c = 0; c < specular_.columns(); ++c) {
-      std::uint32_t saturated = 0;  // behind the last pixel highest_ stays zero
-      std::memcpy(&saturated, highest_.data() + c * kSpecularCell, sizeof saturated);
-      if (saturated == 0) continue;
+      const std::uint8_t* p = highest_.data() + c * kSpecularCell;
+      const int high = std::max(std::max(p[0], p[1]), std::max(p[2], p[3]));
+      const auto limit = static_cast<int>((tissue_[c] * contrast) >> 16);
+      if (high < std::min(limit, settings_.specular_threshold)) continue;
       specular_.mark(c, r);
       any = true;
     }
@@ -111,7 +86,8 @@ void PictureMask::findSurroundings(const ImageBuffer& coarse) {
     const std::uint8_t* row = coarse.row(std::min(r * kCoarseStep, coarse.height() - 1));
     for (int c = 0; c < columns; ++c)
       region_[r * columns + c] =
-          row[std::min(c * kCoarseStep, coarse.width() - 1)] <= dark_threshold_ ? kDark : kBright;
+          row[std::min(c * kCoarseStep, coarse.width() - 1)] <= settings_.dark_threshold ? kDark
+                                                                                         : kBright;
   }
   for (int c = 0; c < columns; ++c) {
     floodFrom(c, 0, kDark, kOutside);

@@ -10,8 +10,10 @@ struct ExtractorSettings {
   double scale_factor = 1.2;       // between levels
   int fast_threshold = 20;         // [grey levels], first try in each cell
   int fast_threshold_min = 7;      // [grey levels], where the first finds nothing
-  int specular_threshold = 250;    // [grey levels], at or above: saturated, not tissue
-  int dark_threshold = 8;          // [grey levels], at or below: outside the round field of view
+  // Luma of towers is mostly 16..235 (BT.601 and 709), and comes as it is.
+  int specular_threshold = 230;    // [grey levels], at or above: saturated, not tissue
+  double specular_contrast = 1.4;  // times the brightness of the tissue around: a highlight
+  int dark_threshold = 24;         // [grey levels], at or below: outside the round field of view
 };
 
 /// Fixed capacities: what is allocated at start and never grows.

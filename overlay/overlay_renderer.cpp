@@ -1,0 +1,229 @@
+#include "overlay/overlay_renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace depthscope::overlay {
+namespace {
+
+using Eigen::Vector2f;
+
+constexpr float kMinAlpha = 1.0f / 255;  // of what is worth drawing
+
+int markTextPx(int height) {
+  return std::max(11, height / 40);
+}
+int faultTextPx(int height) {
+  return std::max(14, height / 22);
+}
+int labelTextPx(const OverlaySettings& s, int height) {
+  return s.label_height_px > 0 ? static_cast<int>(std::lround(s.label_height_px))
+                               : std::max(12, height / 34);
+}
+
+PixelRect whole(const Layer& layer) {
+  return {0, 0, layer.width(), layer.height()};
+}
+
+PixelRect clipped(const PixelRect& r, const Layer& layer) {
+  return {std::max(r.x0, 0), std::max(r.y0, 0), std::min(r.x1, layer.width()),
+          std::min(r.y1, layer.height())};
+}
+
+Eigen::AlignedBox2f toBox(const PixelRect& r) {
+  return {Vector2f(static_cast<float>(r.x0), static_cast<float>(r.y0)),
+          Vector2f(static_cast<float>(r.x1), static_cast<float>(r.y1))};
+}
+
+}  // namespace
+
+OverlayRenderer::OverlayRenderer(const CameraModel& camera, const OverlaySettings& settings)
+    : camera_(camera),
+      settings_(settings),
+      max_labels_(std::max(settings.max_labels, 0)),
+      rasterizer_(settings.font_file),
+      surface_pass_(camera),
+      inset_(camera, settings),
+      labels_(camera, max_labels_) {
+  prepare(camera.width, camera.height);
+}
+
+void OverlayRenderer::setSettings(const OverlaySettings& settings) {
+  context_.makeCurrent();
+  settings_ = settings;
+  inset_.setSettings(settings);
+  atlas_.reset();
+}
+
+void OverlayRenderer::setSurface(const SurfaceMesh& mesh) {
+  if (context_.makeCurrent()) surfaces_.set(mesh, camera_.hasDistortion(), settings_);
+}
+
+void OverlayRenderer::setLabels(std::span<const Label> labels) {
+  labels_.set(labels);
+  if (!context_.makeCurrent() || !atlas_) return;
+  for (std::size_t i = 0; i < labels_.labels().size(); ++i)
+    atlas_->set(static_cast<int>(i), labels_.labels()[i].text,
+                labelTextPx(settings_, layer_.height()));
+}
+
+/// Makes layer and texts fit the picture's size. Allocates when that changes, and only then.
+bool OverlayRenderer::prepare(int width, int height) {
+  if (!context_.makeCurrent()) return false;
+  const bool resized = width != layer_.width() || height != layer_.height();
+  if (!layer_.resize(width, height)) return false;
+  if (!resized && atlas_) return true;
+  const int largest =
+      std::max({markTextPx(height), labelTextPx(settings_, height), faultTextPx(height)});
+  atlas_.emplace(rasterizer_, faultSlot() + 1, largest, width * 3 / 4);
+  for (int m = 0; m < kMarks; ++m)
+    atlas_->set(markSlot(static_cast<Mark>(m)), markText(static_cast<Mark>(m)), markTextPx(height));
+  setLabels(labels_.labels());
+  return true;
+}
+
+/// Time since the picture before [s]; negative when unknown.
+double OverlayRenderer::advance(double time_s) {
+  const double dt =
+      time_s >= 0 && last_time_s_ >= 0 && time_s >= last_time_s_ ? time_s - last_time_s_ : -1;
+  last_time_s_ = time_s;
+  return dt;
+}
+
+/// How much of the overlay may be seen: none without a pose one can rely on, less as the pose gets
+/// old.
+float OverlayRenderer::arAlpha(const OverlayState& state, int width, int height) const {
+  if (state.status != Status::Tracking || !state.T_camera_world.allFinite()) return 0;
+  if (width != camera_.width || height != camera_.height) return 0;
+  const float age = 2 - 2 * state.age_ms / std::max(settings_.max_age_ms, 1e-3f);
+  const float span = std::max(settings_.full_confidence - settings_.gone_confidence, 1e-3f);
+  const float confidence = (state.confidence - settings_.gone_confidence) / span;
+  const float alpha = std::clamp(age, 0.0f, 1.0f) * std::clamp(confidence, 0.0f, 1.0f);
+  return alpha >= kMinAlpha ? alpha : 0.0f;  // not a number: 0
+}
+
+Mark OverlayRenderer::markFor(const OverlayState& state, float ar_alpha) const {
+  switch (state.status) {
+    case Status::NoAr:
+      return Mark::NoAr;
+    case Status::Initializing:
+      return Mark::Initializing;
+    case Status::Lost:
+      return Mark::Lost;
+    case Status::Stale:
+      return Mark::Stale;
+    case Status::NoSignal:
+      return Mark::NoSignal;
+    case Status::Tracking:
+      break;
+  }
+  if (!(state.age_ms < settings_.max_age_ms)) return Mark::Stale;
+  return ar_alpha > 0 ? Mark::Tracking : Mark::Uncertain;
+}
+
+std::optional<PixelRect> OverlayRenderer::draw(int width, int height, const OverlayState& state) {
+  if (!prepare(width, height)) return std::nullopt;
+  const double dt_s = advance(state.time_s);
+  const float alpha = arAlpha(state, width, height);
+  const Mark mark = markFor(state, alpha);
+  const bool cues = alpha > 0 && settings_.cue != CueMode::Off;
+  if (settings_.cue == CueMode::Off && mark == Mark::Tracking && state.message.empty())
+    return PixelRect{};
+
+  layer_.beginSolid();
+  const PixelRect mark_rect = addMark(mark, state.message);
+  if (cues) drawTissueCues(state, dt_s, alpha, mark_rect);
+  layer_.beginFlat();
+  mark_ink_.draw(layer_, atlas_->texture(), 0, {1, 2}, 1);
+  if (glGetError() != GL_NO_ERROR) return std::nullopt;
+  return cues ? whole(layer_) : clipped(mark_rect, layer_);
+}
+
+/// Everything that hangs on a pose: cue, labels, turned-aside view.
+void OverlayRenderer::drawTissueCues(const OverlayState& state, double dt_s, float alpha,
+                                     const PixelRect& mark) {
+  const SurfaceStack::Shown shown =
+      surfaces_.shown(state.map_id, state.time_s, settings_.crossfade_s);
+  const SurfaceStack::Surface* main = shown.main();
+  if (range_map_ != state.map_id) {
+    range_.reset();
+    inset_.forget();
+    range_map_ = state.map_id;
+  }
+  if (main)
+    range_.update(main->prepared.samples, main->inCamera(state.T_camera_world), camera_, dt_s);
+  const bool solid = main && range_.valid();
+  const CueStyle style{settings_.cue, settings_.opacity, range_.nearDepth(), range_.farDepth()};
+
+  ink_.clear();
+  if (solid) drawCue(shown, style, state.T_camera_world, alpha);
+  if (solid && settings_.inset) {
+    inset_.frame(main->prepared, main->inCamera(state.T_camera_world), style.near_depth, dt_s);
+    inset_.drawPanel(ink_);
+    ink_.draw(layer_, atlas_->texture(), 0, {1, 2}, alpha);
+    inset_.drawMesh(main->buffers, style, alpha);
+    ink_.clear();
+    inset_.drawMarks(settings_.labels ? labels_.labels() : std::span<const Label>(), main->prepared,
+                     ink_);
+  }
+  if (settings_.labels) addLabels(state, mark, solid && settings_.inset);
+  layer_.beginFlat();
+  ink_.draw(layer_, atlas_->texture(), solid ? layer_.depthTexture() : 0,
+            clipDepths(style.near_depth, style.far_depth), alpha);
+}
+
+void OverlayRenderer::drawCue(const SurfaceStack::Shown& shown, const CueStyle& style,
+                              const Pose& T_camera_world, float alpha) {
+  if (shown.before) {
+    surface_pass_.draw(shown.before->buffers, shown.before->inCamera(T_camera_world), style,
+                       alpha * (1 - shown.crossfade));
+    if (shown.newest)
+      surface_pass_.drawAdded(shown.newest->buffers, shown.newest->inCamera(T_camera_world), style,
+                              alpha * shown.crossfade);
+  } else if (shown.newest) {
+    surface_pass_.draw(shown.newest->buffers, shown.newest->inCamera(T_camera_world), style,
+                       alpha * shown.crossfade);
+  }
+}
+
+void OverlayRenderer::addLabels(const OverlayState& state, const PixelRect& mark, bool inset) {
+  const Eigen::AlignedBox2f obstacles[] = {toBox(mark), toBox(inset_.panel())};
+  labels_.draw(state.T_camera_world, state.map_id, state.time_s, *atlas_,
+               std::span(obstacles, inset ? 2 : 1), ink_);
+}
+
+/// The mark with its message in the top left corner.
+PixelRect OverlayRenderer::addMark(Mark mark, std::string_view message) {
+  const int height = layer_.height();
+  atlas_->set(messageSlot(), message, markTextPx(height));
+  const auto margin = static_cast<float>(height / 48);
+  mark_ink_.clear();
+  return drawStatusMark(mark, atlas_->spot(markSlot(mark)), atlas_->spot(messageSlot()),
+                        {margin, margin}, mark_ink_);
+}
+
+std::optional<PixelRect> OverlayRenderer::drawFault(int width, int height,
+                                                    std::string_view message) {
+  if (!prepare(width, height)) return std::nullopt;
+  atlas_->set(faultSlot(), message, faultTextPx(height));
+  const TextSpot& text = atlas_->spot(faultSlot());
+  const Vector2f centre(0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height));
+  const float symbol = static_cast<float>(faultTextPx(height));
+  layer_.beginFlat();
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT);
+  mark_ink_.clear();
+  drawMarkSymbol(Mark::NoSignal, centre - Vector2f(0, 1.4f * symbol), symbol, mark_ink_);
+  mark_ink_.text(centre + Vector2f(-0.5f * static_cast<float>(text.width), 0.5f * symbol), text,
+                 {0.92f, 0.94f, 0.95f, 1});
+  mark_ink_.draw(layer_, atlas_->texture(), 0, {1, 2}, 1);
+  if (glGetError() != GL_NO_ERROR) return std::nullopt;
+  return whole(layer_);
+}
+
+bool OverlayRenderer::read(const PixelRect& rect, std::uint8_t* rgba) {
+  layer_.read(rect, rgba);
+  return glGetError() == GL_NO_ERROR;
+}
+
+}  // namespace depthscope::overlay

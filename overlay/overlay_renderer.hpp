@@ -1,0 +1,68 @@
+#pragma once
+#include <optional>
+#include <span>
+
+#include "overlay/compositor.hpp"
+#include "overlay/depth_range.hpp"
+#include "overlay/egl_context.hpp"
+#include "overlay/ink.hpp"
+#include "overlay/inset_view.hpp"
+#include "overlay/label_pass.hpp"
+#include "overlay/layer.hpp"
+#include "overlay/status_mark.hpp"
+#include "overlay/surface_stack.hpp"
+#include "overlay/text_atlas.hpp"
+
+namespace depthscope::overlay {
+
+/// Draws everything that goes over a picture into one transparent layer.
+class OverlayRenderer {
+ public:
+  OverlayRenderer(const CameraModel& camera, const OverlaySettings& settings);
+
+  void setSettings(const OverlaySettings& settings);
+  void setSurface(const SurfaceMesh& mesh);
+  void setLabels(std::span<const Label> labels);
+
+  /// Draws the layer for a picture of this size; nothing if the driver fails. Returns the rectangle
+  /// outside of which the layer is transparent and was not touched; it may be empty.
+  std::optional<PixelRect> draw(int width, int height, const OverlayState& state);
+  /// The layer that stands on a dark picture when there is none from the scope.
+  std::optional<PixelRect> drawFault(int width, int height, std::string_view message);
+  /// Pixels of the layer just drawn, as Layer::read.
+  bool read(const PixelRect& rect, std::uint8_t* rgba);
+
+ private:
+  bool prepare(int width, int height);
+  float arAlpha(const OverlayState& state, int width, int height) const;
+  Mark markFor(const OverlayState& state, float ar_alpha) const;
+  void drawTissueCues(const OverlayState& state, double dt_s, float alpha, const PixelRect& mark);
+  void drawCue(const SurfaceStack::Shown& shown, const CueStyle& style, const Pose& T_camera_world,
+               float alpha);
+  PixelRect addMark(Mark mark, std::string_view message);
+  void addLabels(const OverlayState& state, const PixelRect& mark, bool inset);
+  double advance(double time_s);
+
+  // Slots of the text atlas: labels first, then one for each of these.
+  int markSlot(Mark mark) const { return max_labels_ + static_cast<int>(mark); }
+  int messageSlot() const { return max_labels_ + kMarks; }
+  int faultSlot() const { return max_labels_ + kMarks + 1; }
+
+  CameraModel camera_;
+  OverlaySettings settings_;
+  const int max_labels_;
+  EglContext context_;  // before all that lives in it
+  TextRasterizer rasterizer_;
+  Layer layer_;
+  SurfacePass surface_pass_;
+  SurfaceStack surfaces_;
+  DepthRange range_;
+  std::uint32_t range_map_ = 0;
+  InsetView inset_;
+  LabelPass labels_;
+  Ink ink_, mark_ink_;
+  std::optional<TextAtlas> atlas_;  // made for the picture's size
+  double last_time_s_ = -1;
+};
+
+}  // namespace depthscope::overlay

@@ -1,0 +1,7 @@
+// Pseudo-chromadepth: 0 near, 1 far. Cream, orange, rose, violet, deep blue; CIE lightness falls evenly from 94
+// to 18, for luminance decides which of two surfaces looks nearer. Cubic fit to five hand-picked colours, sRGB.
+vec3 depthColor(float t) {
+  t = clamp(t, 0.0, 1.0);
+  return vec3(0.965, 0.951, 0.623) +
+         t * (vec3(0.579, -1.281, -2.529) + t * (vec3(-1.963, 0.089, 6.033) + t * vec3(0.493, 0.394, -3.732)));
+}

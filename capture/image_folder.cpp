@@ -106,6 +106,8 @@ bool ImageFolder::loadPacket(const File& file) {
   if (av_new_packet(packet_.get(), static_cast<int>(bytes)) < 0) return false;
   in.seekg(0);
   in.read(reinterpret_cast<char*>(packet_->data), bytes);
+  // A packet that is no key frame would be taken as a difference from the picture before.
+  packet_->flags |= AV_PKT_FLAG_KEY;
   if (in.gcount() == bytes) return true;
   av_packet_unref(packet_.get());
   return false;

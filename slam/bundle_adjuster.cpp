@@ -63,7 +63,7 @@ BundleAdjuster::BundleAdjuster(int max_poses, int max_points, int max_observatio
   pose_H_.resize(max_poses);
   pose_b_.resize(max_poses);
   pose_step_.resize(max_poses);
-  eliminated_.resize(max_observations);
+  eliminated_.resize(max_poses);
 }
 
 std::size_t BundleAdjuster::bytes() const {
@@ -106,6 +106,10 @@ BaSummary BundleAdjuster::solve(const Intrinsics& camera, const BaSettings& sett
   indexProblem();
   const double huber_delta = std::sqrt(settings.chi2_inlier);
   summary.initial_cost = summary.final_cost = cost(camera, huber_delta, poses_, points_);
+  if (first_term_[points_.size()] == 0 || !std::isfinite(summary.initial_cost)) {
+    classify(camera, settings.chi2_inlier, summary);
+    return summary;
+  }
   summary.end = BaSummary::End::IterationLimit;
 
   double lambda = settings.initial_lambda, growth = 2;
@@ -242,7 +246,8 @@ void BundleAdjuster::eliminatePoint(int point, double lambda) {
   const Eigen::Vector3d b = block.L_inv * block.b;
 
   // With Y = W L^-T the Schur complement is what is left after subtracting Y_i Y_j^T everywhere.
-  const int begin = first_term_[point], end = first_term_[point + 1];
+  const int begin = first_term_[point];
+  const int end = std::min(first_term_[point + 1], begin + static_cast<int>(eliminated_.size()));
   for (int i = begin; i < end; ++i) {
     const int row = terms_[i].block;
     if (row < 0) continue;

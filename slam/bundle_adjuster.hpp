@@ -36,7 +36,7 @@ struct BaSettings {
 
 struct BaSummary {
   enum class End { Converged, IterationLimit, Stopped, Failed };
-  End end = End::Failed;  // Failed: nothing to adjust, or no step lowers a cost that is not finite
+  End end = End::Failed;  // Failed: nothing to adjust, or not a number in what was given
   int iterations = 0;     // steps taken
   double initial_cost = 0, final_cost = 0;  // robust, [sigma^2]
   int inliers = 0, outliers = 0;

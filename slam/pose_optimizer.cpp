@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <limits>
 
 namespace depthscope::slam {
 namespace {
@@ -19,7 +20,7 @@ struct NormalEquations {
 /// Squared error in sigma; infinite behind the camera, so that the point is an outlier there.
 double chi2(const Intrinsics& camera, const PoseObservation& o, const Pose& T_camera_world) {
   const Eigen::Vector3d p = T_camera_world * o.point_world;
-  if (p.z() < kMinDepth) return std::numeric_limits<double>::infinity();
+  if (!(p.z() > kMinDepth)) return std::numeric_limits<double>::infinity();
   return (camera.project(p) - o.pixel).squaredNorm() * o.inv_sigma2;
 }
 
@@ -29,9 +30,10 @@ NormalEquations accumulate(const Intrinsics& camera, std::span<const PoseObserva
   for (const PoseObservation& o : observations) {
     if (!o.inlier) continue;
     const Eigen::Vector3d p = T_camera_world * o.point_world;
-    if (p.z() < kMinDepth) continue;
+    if (!(p.z() > kMinDepth)) continue;
     const Eigen::Vector2d r = camera.project(p) - o.pixel;
     const double e2 = r.squaredNorm() * o.inv_sigma2;
+    if (!std::isfinite(e2)) continue;
     const double w = o.weight * o.inv_sigma2 * huberWeight(e2, huber_delta);
     const Eigen::Matrix<double, 2, 6> J = poseJacobian(camera, p);
     n.H.noalias() += J.transpose() * (w * J);

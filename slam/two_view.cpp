@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "slam/epipolar_refinement.hpp"
 #include "slam/essential.hpp"
 #include "slam/homography.hpp"
 #include "slam/projection.hpp"
@@ -22,13 +23,12 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 /// be, in sigma^2 (a likelihood ratio of e^10) and as a share, for the better to be believed.
 constexpr double kDecisiveCost = 20, kDecisiveCostShare = 0.05;
 
-/// Motions closer than this are one and the same optimum, reached from two sides.
-constexpr double kSameMotion_rad = 0.2 / kDegrees;
+/// Directions of translation closer than this are one optimum, known only so well, and no
+/// ambiguity.
+constexpr double kSameDirection_rad = 10 / kDegrees;
 
 bool sameMotion(const Pose& a, const Pose& b) {
-  const double rotation = logSO3(a.R * b.R.transpose()).norm();
-  const double direction = std::atan2(a.t.cross(b.t).norm(), a.t.dot(b.t));
-  return rotation < kSameMotion_rad && direction < 10 * kSameMotion_rad;
+  return std::atan2(a.t.cross(b.t).norm(), a.t.dot(b.t)) < kSameDirection_rad;
 }
 
 }  // namespace
@@ -38,7 +38,8 @@ TwoViewInitializer::TwoViewInitializer(const TwoViewSettings& settings, const In
     : settings_(settings),
       camera_(camera),
       matches_(camera, max_matches),
-      adjuster_(2, max_matches, 2 * max_matches) {
+      adjuster_(2, max_matches, 2 * max_matches),
+      finder_(max_matches) {
   parallax_deg_.reserve(max_matches);
   selected_.resize(max_matches);
 }
@@ -75,52 +76,53 @@ TwoViewResult::Refusal TwoViewInitializer::attempt(TwoViewResult& result) {
   return acceptPoints(T_second_first, result);
 }
 
-/// Chooses the model and decomposes it; `contenders` are the motions that place nearly as many
-/// points as the best of them does, the best one first.
+/// Chooses the model, and collects the motions that either model allows: a plane allows two, and
+/// the essential matrix shows but one of them. `contenders` are those that place nearly as many
+/// points as the best of them does.
 TwoViewResult::Refusal TwoViewInitializer::proposeMotions(TwoViewResult& result,
                                                           std::span<Hypothesis>& contenders) {
   TwoViewModel homography, essential;
-  findTwoViewModels(matches_, settings_.sigma_px, settings_.ransac_iterations, homography,
-                    essential);
+  finder_.find(matches_, settings_.sigma_px, settings_.ransac_iterations, homography, essential);
   const double scores = homography.score + essential.score;
   if (!(scores > 0)) return Refusal::TooFewInliers;
   result.homography_score = homography.score / scores;
   const bool planar = result.homography_score > settings_.homography_score_ratio;
   result.model = planar ? TwoViewResult::Model::Homography : TwoViewResult::Model::Essential;
-
-  std::array<Pose, 8> motions;
-  int count = 4;
-  if (planar) {
-    model_inliers_ =
-        markHomographyInliers(matches_, homography.matrix, settings_.sigma_px, selected_);
-    count = decomposeHomography(homography.matrix, motions);
-  } else {
-    model_inliers_ =
-        markEssentialInliers(matches_, essential.matrix, settings_.sigma_px, selected_);
-    std::array<Pose, 4> four;
-    decomposeEssential(essential.matrix, four);
-    std::copy(four.begin(), four.end(), motions.begin());
-  }
+  model_inliers_ = planar ? homography.inliers : essential.inliers;
   if (model_inliers_ < settings_.min_inliers) return Refusal::TooFewInliers;
 
-  for (int k = 0; k < count; ++k) {
-    hypotheses_[k] = {motions[k], 0, 0};
-    Eigen::Vector3d point;
+  std::array<Pose, 8> from_homography;
+  std::array<Pose, 4> from_essential;
+  const int homography_motions = decomposeHomography(homography.matrix, from_homography);
+  decomposeEssential(essential.matrix, from_essential);
+  int count = 0;
+  for (const Pose& motion : from_essential) hypotheses_[count++].T_second_first = motion;
+  for (int k = 0; k < homography_motions; ++k)
+    hypotheses_[count++].T_second_first = from_homography[k];
+
+  Eigen::Vector3d point;
+  int most = 0;
+  for (Hypothesis& h : std::span(hypotheses_).first(count)) {
+    h.points = 0;
     for (int i = 0; i < matches_.size(); ++i)
-      hypotheses_[k].points += selected_[i] && triangulateMatch(motions[k], i, point);
+      h.points += triangulateMatch(h.T_second_first, i, point);
+    most = std::max(most, h.points);
   }
-  const auto begin = hypotheses_.begin(), end = begin + count;
-  std::sort(begin, end, [](const auto& a, const auto& b) { return a.points > b.points; });
-  if (count == 0 || begin->points < settings_.min_inliers) return Refusal::PoorFit;
-  const double enough = settings_.ambiguity_ratio * begin->points;
-  contenders = {begin, std::find_if(begin, end, [&](const auto& h) { return h.points < enough; })};
+  if (most < settings_.min_inliers) return Refusal::PoorFit;
+  const auto end =
+      std::remove_if(hypotheses_.begin(), hypotheses_.begin() + count,
+                     [&](const auto& h) { return h.points < settings_.ambiguity_ratio * most; });
+  contenders = {hypotheses_.begin(), end};
   return Refusal::None;
 }
 
 /// Refines every contender; what remains must be one motion, or one that fits decisively better.
 TwoViewResult::Refusal TwoViewInitializer::chooseMotion(std::span<Hypothesis> contenders,
                                                         Pose& T_second_first) {
-  for (Hypothesis& h : contenders) h.cost = refine(h.T_second_first);
+  for (Hypothesis& h : contenders) {
+    refineMotion(h.T_second_first);
+    h.cost = truncatedCost(h.T_second_first);
+  }
   std::sort(contenders.begin(), contenders.end(),
             [](const auto& a, const auto& b) { return a.cost < b.cost; });
   const Hypothesis& best = contenders.front();
@@ -130,6 +132,7 @@ TwoViewResult::Refusal TwoViewInitializer::chooseMotion(std::span<Hypothesis> co
       return Refusal::Ambiguous;
   }
   T_second_first = best.T_second_first;
+  adjustBundle(T_second_first);
   return Refusal::None;
 }
 
@@ -147,27 +150,37 @@ bool TwoViewInitializer::triangulateMatch(const Pose& T_second_first, int match,
   return std::max(first, second) * inv_sigma2 < kChi2TwoDof95;
 }
 
-/// Bundle adjustment of motion and points over all matches that agree with the motion, which are
-/// then chosen again. Returns the truncated cost over all matches, which compares between motions.
-double TwoViewInitializer::refine(Pose& T_second_first) {
-  BaSettings settings;
-  settings.max_iterations = kRefinementIterations;
-  const float inv_sigma2 = static_cast<float>(1 / (settings_.sigma_px * settings_.sigma_px));
+/// Epipolar refinement over the matches that agree with the motion, which are then chosen again.
+void TwoViewInitializer::refineMotion(Pose& T_second_first) {
+  Eigen::Vector3d point;
   for (int round = 0; round < kRefinementRounds; ++round) {
-    adjuster_.clear();
-    adjuster_.addPose(Pose{}, true);
-    adjuster_.addPose(T_second_first, false);
-    for (int i = 0; i < matches_.size(); ++i) {
-      Eigen::Vector3d point;
-      if (!triangulateMatch(T_second_first, i, point)) continue;
-      const int p = adjuster_.addPoint(point);
-      adjuster_.addObservation({0, p, matches_.first_px[i].cast<float>(), inv_sigma2, true});
-      adjuster_.addObservation({1, p, matches_.second_px[i].cast<float>(), inv_sigma2, true});
-    }
-    adjuster_.solve(camera_, settings);
-    T_second_first = adjuster_.poses()[1].T_camera_world;
-    T_second_first.t.normalize();  // the scale is free
+    for (int i = 0; i < matches_.size(); ++i)
+      selected_[i] = triangulateMatch(T_second_first, i, point);
+    refineEpipolarGeometry(matches_, selected_, settings_.sigma_px, kRefinementIterations,
+                           T_second_first);
   }
+}
+
+/// Bundle adjustment of the motion and the points of all matches that agree with it.
+void TwoViewInitializer::adjustBundle(Pose& T_second_first) {
+  adjuster_.clear();
+  adjuster_.addPose(Pose{}, true);
+  adjuster_.addPose(T_second_first, false);
+  const float inv_sigma2 = static_cast<float>(1 / (settings_.sigma_px * settings_.sigma_px));
+  for (int i = 0; i < matches_.size(); ++i) {
+    Eigen::Vector3d point;
+    if (!triangulateMatch(T_second_first, i, point)) continue;
+    const int p = adjuster_.addPoint(point);
+    adjuster_.addObservation({0, p, matches_.first_px[i].cast<float>(), inv_sigma2, true});
+    adjuster_.addObservation({1, p, matches_.second_px[i].cast<float>(), inv_sigma2, true});
+  }
+  adjuster_.solve(camera_);
+  T_second_first = adjuster_.poses()[1].T_camera_world;
+  T_second_first.t.normalize();  // the scale is free
+}
+
+/// Cost over all matches [sigma^2], which compares between motions.
+double TwoViewInitializer::truncatedCost(const Pose& T_second_first) const {
   double cost = 0;
   for (int i = 0; i < matches_.size(); ++i) {
     Eigen::Vector3d point;

@@ -21,8 +21,9 @@ struct TwoViewSettings {
   double homography_score_ratio =
       0.45;                         // R_H above: homography (Mur-Artal et al. 2015, section IV)
   double max_rotation_share = 0.6;  // of the inliers that a rotation alone explains as well
-  double ambiguity_ratio = 0.8;     // second best motion / best motion, in points: above, refused
-  double min_kept_share = 0.7;      // of the model's inliers that must become points
+  double ambiguity_ratio =
+      0.7;  // a motion that places this share of the points the best does competes
+  double min_kept_share = 0.7;  // of the model's inliers that must become points
 };
 
 struct TwoViewResult {
@@ -77,16 +78,19 @@ class TwoViewInitializer {
   Refusal acceptPoints(const Pose& T_second_first, TwoViewResult& result);
   bool triangulateMatch(const Pose& T_second_first, int match, Eigen::Vector3d& point,
                         double* chi2 = nullptr) const;
-  double refine(Pose& T_second_first);
+  void refineMotion(Pose& T_second_first);
+  void adjustBundle(Pose& T_second_first);
+  double truncatedCost(const Pose& T_second_first) const;
 
   TwoViewSettings settings_;
   Intrinsics camera_;
   TwoViewMatches matches_;
   BundleAdjuster adjuster_;
-  std::array<Hypothesis, 8> hypotheses_;
-  std::vector<std::uint8_t> selected_;  // per match: agrees with the model chosen
-  int model_inliers_ = 0;
-  std::vector<double> parallax_deg_;  // scratch for the median
+  TwoViewModelFinder finder_;
+  std::array<Hypothesis, 12> hypotheses_;
+  std::vector<std::uint8_t> selected_;  // per match, scratch
+  int model_inliers_ = 0;               // matches that agree with the model chosen
+  std::vector<double> parallax_deg_;    // scratch for the median
 };
 
 }  // namespace depthscope::slam

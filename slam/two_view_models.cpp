@@ -12,6 +12,8 @@
 namespace depthscope::slam {
 namespace {
 
+constexpr int kPolishRounds = 3;
+
 Eigen::Matrix3d cameraMatrix(const Intrinsics& c) {
   Eigen::Matrix3d K;
   K << c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1;
@@ -72,7 +74,7 @@ class EpipolarErrors {
 /// so that their scores compare.
 template <class Errors>
 void score(const TwoViewMatches& m, const Errors& errors, double threshold, double sigma_px,
-           TwoViewModel& model, std::span<std::uint8_t> inlier = {}) {
+           TwoViewModel& model) {
   const double inv_sigma2 = 1 / (sigma_px * sigma_px);
   model.score = 0;
   model.inliers = 0;
@@ -83,7 +85,6 @@ void score(const TwoViewMatches& m, const Errors& errors, double threshold, doub
     if (ok1) model.score += kChi2TwoDof95 - e1;
     if (ok2) model.score += kChi2TwoDof95 - e2;
     model.inliers += ok1 && ok2;
-    if (!inlier.empty()) inlier[i] = ok1 && ok2;
   }
 }
 
@@ -127,8 +128,13 @@ void TwoViewMatches::load(std::span<const Eigen::Vector2f> first_f,
   }
 }
 
-void findTwoViewModels(const TwoViewMatches& m, double sigma_px, int iterations,
-                       TwoViewModel& homography, TwoViewModel& essential) {
+TwoViewModelFinder::TwoViewModelFinder(int max_matches) {
+  inliers_first_.reserve(max_matches);
+  inliers_second_.reserve(max_matches);
+}
+
+void TwoViewModelFinder::find(const TwoViewMatches& m, double sigma_px, int iterations,
+                              TwoViewModel& homography, TwoViewModel& essential) {
   homography = essential = {};
   std::mt19937 generator(m.size());
   for (int i = 0; i < iterations; ++i) {
@@ -148,6 +154,24 @@ void findTwoViewModels(const TwoViewMatches& m, double sigma_px, int iterations,
       if (model.score > essential.score) essential = model;
     }
   }
+  for (int i = 0; i < kPolishRounds; ++i) polishHomography(m, sigma_px, homography);
+}
+
+/// Least squares on the matches that agree with the homography: four matches carry all their noise
+/// into it, which would make it look worse than it is beside the essential matrix.
+void TwoViewModelFinder::polishHomography(const TwoViewMatches& m, double sigma_px,
+                                          TwoViewModel& homography) {
+  if (homography.inliers <= 4) return;
+  const HomographyErrors errors(m.camera, homography.matrix);
+  inliers_first_.clear();
+  inliers_second_.clear();
+  for (int i = 0; i < m.size(); ++i) {
+    const TransferErrors e = errors(m.first_px[i], m.second_px[i]);
+    if (std::max(e.in_first, e.in_second) >= kChi2TwoDof95 * sigma_px * sigma_px) continue;
+    inliers_first_.push_back(m.first[i]);
+    inliers_second_.push_back(m.second[i]);
+  }
+  tryHomography(m, inliers_first_, inliers_second_, sigma_px, homography);
 }
 
 int countRotationInliers(const TwoViewMatches& m, double sigma_px, int iterations) {
@@ -173,20 +197,6 @@ int countRotationInliers(const TwoViewMatches& m, double sigma_px, int iteration
     tryRotation(covariance);
   }
   return best.inliers;
-}
-
-int markHomographyInliers(const TwoViewMatches& m, const Eigen::Matrix3d& H_second_first,
-                          double sigma_px, std::span<std::uint8_t> inlier) {
-  TwoViewModel model;
-  score(m, HomographyErrors(m.camera, H_second_first), kChi2TwoDof95, sigma_px, model, inlier);
-  return model.inliers;
-}
-
-int markEssentialInliers(const TwoViewMatches& m, const Eigen::Matrix3d& E, double sigma_px,
-                         std::span<std::uint8_t> inlier) {
-  TwoViewModel model;
-  score(m, EpipolarErrors(m.camera, E), kChi2OneDof95, sigma_px, model, inlier);
-  return model.inliers;
 }
 
 }  // namespace depthscope::slam

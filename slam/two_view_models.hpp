@@ -29,20 +29,22 @@ struct TwoViewModel {
   int inliers = 0;
 };
 
-/// Homography and essential matrix with the best scores among those fitted to the same random
-/// samples, four and five matches each; the score sums, over matches and both directions, what the
-/// squared transfer error [sigma^2] leaves of the threshold (Mur-Artal et al. 2015, section IV,
-/// step 2).
-void findTwoViewModels(const TwoViewMatches& matches, double sigma_px, int iterations,
-                       TwoViewModel& homography, TwoViewModel& essential);
-
 /// Number of matches that a rotation of the camera alone explains, the best that RANSAC finds.
 int countRotationInliers(const TwoViewMatches& matches, double sigma_px, int iterations);
 
-/// Marks, per match, whether it agrees with the model in both directions; returns how many.
-int markHomographyInliers(const TwoViewMatches& matches, const Eigen::Matrix3d& H_second_first,
-                          double sigma_px, std::span<std::uint8_t> inlier);
-int markEssentialInliers(const TwoViewMatches& matches, const Eigen::Matrix3d& E, double sigma_px,
-                         std::span<std::uint8_t> inlier);
+/// Fits a homography and an essential matrix to the same random samples, four and five matches
+/// each. The score of a model sums, over matches and both directions, what the squared transfer
+/// error [sigma^2] leaves of the threshold (Mur-Artal et al. 2015, section IV, step 2).
+class TwoViewModelFinder {
+ public:
+  explicit TwoViewModelFinder(int max_matches);
+  void find(const TwoViewMatches& matches, double sigma_px, int iterations,
+            TwoViewModel& homography, TwoViewModel& essential);
+
+ private:
+  void polishHomography(const TwoViewMatches& matches, double sigma_px, TwoViewModel& homography);
+
+  std::vector<Eigen::Vector2d> inliers_first_, inliers_second_;  // scratch, normalized
+};
 
 }  // namespace depthscope::slam

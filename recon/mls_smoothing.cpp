@@ -13,18 +13,16 @@ namespace depthscope::recon {
 namespace {
 
 struct Projection {
-  SupportCloud points;   // on the fitted surface, normals not yet oriented
-  pcl::Indices source;   // index of each into the input
+  SupportCloud points;  // on the fitted surface, normals not yet oriented
+  pcl::Indices source;  // index of each into the input
 };
 
 Projection project(const SupportCloud::ConstPtr& cloud, float spacing,
                    const ReconSettings& settings) {
-  const double sigma = settings.mls_sigma * spacing;
   pcl::MovingLeastSquares<pcl::PointNormal, pcl::PointNormal> mls;
   mls.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointNormal>>());
   mls.setInputCloud(cloud);
-  mls.setSearchRadius(settings.mls_radius * spacing);
-  mls.setSqrGaussParam(2 * sigma * sigma);
+  mls.setSearchRadius(settings.mls_radius * spacing);  // PCL takes the Gaussian's width from it too
   mls.setPolynomialOrder(2);
   mls.setComputeNormals(true);
   Projection out;

@@ -90,7 +90,8 @@ class PlyFile {
   }
 
   std::string headerLine() {
-    const auto end = std::find(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), bytes_.end(), '\n');
+    const auto end =
+        std::find(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), bytes_.end(), '\n');
     if (end == bytes_.end()) fail("PLY header is cut short (no 'end_header')");
     std::string line(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), end);
     at_ += line.size() + 1;
@@ -131,9 +132,9 @@ class PlyFile {
   }
 
   Scalar scalar(const std::string& type) const {
-    constexpr const char* kNames[][2] = {{"char", "int8"},   {"uchar", "uint8"}, {"short", "int16"},
-                                         {"ushort", "uint16"}, {"int", "int32"}, {"uint", "uint32"},
-                                         {"float", "float32"}, {"double", "float64"}};
+    constexpr const char* kNames[][2] = {
+        {"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"},   {"ushort", "uint16"},
+        {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"}, {"double", "float64"}};
     for (std::size_t i = 0; i < std::size(kNames); ++i)
       if (type == kNames[i][0] || type == kNames[i][1]) return static_cast<Scalar>(i);
     fail("unknown PLY type '" + type + "'");
@@ -161,14 +162,22 @@ class PlyFile {
   double nextBinary(Scalar type) {
     if (bytes_.size() - at_ < sizeOf(type)) fail("cut short");
     switch (type) {
-      case Scalar::I8: return load<std::int8_t>();
-      case Scalar::U8: return load<std::uint8_t>();
-      case Scalar::I16: return load<std::int16_t>();
-      case Scalar::U16: return load<std::uint16_t>();
-      case Scalar::I32: return load<std::int32_t>();
-      case Scalar::U32: return load<std::uint32_t>();
-      case Scalar::F32: return load<float>();
-      case Scalar::F64: return load<double>();
+      case Scalar::I8:
+        return load<std::int8_t>();
+      case Scalar::U8:
+        return load<std::uint8_t>();
+      case Scalar::I16:
+        return load<std::int16_t>();
+      case Scalar::U16:
+        return load<std::uint16_t>();
+      case Scalar::I32:
+        return load<std::int32_t>();
+      case Scalar::U32:
+        return load<std::uint32_t>();
+      case Scalar::F32:
+        return load<float>();
+      case Scalar::F64:
+        return load<double>();
     }
     return 0;
   }
@@ -202,7 +211,8 @@ void readVertices(PlyFile& file, const Element& element, SurfaceMesh& mesh) {
     std::array<float, 8> value{};
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const Property& property = element.properties[p];
-      for (std::size_t n = property.count_type ? file.nextCount(*property.count_type) : 1; n > 0; --n)
+      for (std::size_t n = property.count_type ? file.nextCount(*property.count_type) : 1; n > 0;
+           --n)
         value[slot[p]] = static_cast<float>(file.next(property.type));
     }
     for (std::size_t i = 0; i < 7; ++i)

@@ -12,7 +12,8 @@
 namespace depthscope::recon {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "PLY is written as the machine stores it");
+static_assert(std::endian::native == std::endian::little,
+              "PLY is written as the machine stores it");
 
 void append(std::string& out, const auto& value) {
   char bytes[sizeof(value)];
@@ -34,7 +35,8 @@ void writeAtomically(const std::filesystem::path& path, const std::string& bytes
   std::filesystem::path temporary = path;
   temporary += ".tmp" + std::to_string(::getpid());
   std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-  if (!out) throw InputError(path.string() + ": cannot be written (is the folder there and writable?)");
+  if (!out)
+    throw InputError(path.string() + ": cannot be written (is the folder there and writable?)");
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   out.close();
   std::error_code ec;
@@ -48,11 +50,11 @@ void writeAtomically(const std::filesystem::path& path, const std::string& bytes
 }  // namespace
 
 void writePly(const std::filesystem::path& path, const SurfaceMesh& mesh) {
-  std::string out = header(
-      "element vertex " + std::to_string(mesh.vertices.size()) +
-      "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
-      "property float ny\nproperty float nz\nproperty float confidence\nelement face " +
-      std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\n");
+  std::string out =
+      header("element vertex " + std::to_string(mesh.vertices.size()) +
+             "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+             "property float ny\nproperty float nz\nproperty float confidence\nelement face " +
+             std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\n");
   out.reserve(out.size() + mesh.vertices.size() * 28 + mesh.triangles.size() * 13);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     append(out, mesh.vertices[i]);

@@ -18,6 +18,24 @@ bool usable(const SparsePoint& p, const ReconSettings& settings) {
          p.reprojection_error_px <= settings.max_reprojection_error_px;
 }
 
+/// Removes from `index` the points that are `max_distance` times farther from the median centre
+/// than the median point is.
+void dropFar(const SparseCloud& cloud, double max_distance, std::vector<std::size_t>& index) {
+  Eigen::Vector3f centre;
+  std::vector<float> values(index.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < index.size(); ++i)
+      values[i] = cloud.points[index[i]].position[axis];
+    centre[axis] = median(values);
+  }
+  for (std::size_t i = 0; i < index.size(); ++i)
+    values[i] = (cloud.points[index[i]].position - centre).stableNorm();
+  const float limit = static_cast<float>(max_distance) * median(values);
+  std::erase_if(index, [&](std::size_t i) {
+    return (cloud.points[i].position - centre).stableNorm() > limit;
+  });
+}
+
 pcl::PointNormal toSupport(const SparsePoint& p) {
   pcl::PointNormal s;
   s.getVector3fMap() = p.position;
@@ -32,6 +50,7 @@ SupportCloud::Ptr usablePoints(const SparseCloud& cloud, const ReconSettings& se
   std::vector<std::size_t> index;
   for (std::size_t i = 0; i < cloud.points.size(); ++i)
     if (usable(cloud.points[i], settings)) index.push_back(i);
+  dropFar(cloud, settings.max_distance, index);
   const auto limit = static_cast<std::size_t>(std::max(0, settings.max_points));
   if (index.size() > limit) {
     std::stable_sort(index.begin(), index.end(), [&](std::size_t a, std::size_t b) {

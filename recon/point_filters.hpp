@@ -8,8 +8,8 @@
 
 namespace depthscope::recon {
 
-/// The points worth looking at: finite, seen by enough keyframes, reprojected well; the
-/// `max_points` most observed ones where there are more, in the order of the cloud.
+/// The points worth looking at: finite, seen by enough keyframes, reprojected well, not immensely
+/// far away; the `max_points` most observed ones where there are more, in the order of the cloud.
 SupportCloud::Ptr usablePoints(const SparseCloud& cloud, const ReconSettings& settings);
 
 /// Distance of each point to its `neighbours`-th neighbour [map units].
@@ -18,7 +18,8 @@ std::vector<float> neighbourDistances(const SupportCloud::ConstPtr& cloud, int n
 /// Median of `values`; 0 for none.
 float median(std::vector<float> values);
 
-/// Keeps points with at least `outlier_min_neighbours` others within `outlier_radius` (paper, section 3.1).
+/// Keeps points with at least `outlier_min_neighbours` others within `outlier_radius` (paper,
+/// section 3.1).
 SupportCloud::Ptr radiusFilter(const SupportCloud::ConstPtr& cloud, float spacing,
                                const ReconSettings& settings);
 

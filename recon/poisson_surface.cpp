@@ -1,6 +1,18 @@
 #include "recon/poisson_surface.hpp"
 
 #include <pcl/common/common.h>
+#include <pcl/point_types.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <mutex>
+#include <unordered_map>
+#include <vector>
+
+// The octree prints its troubles with ambiguous cells, but standard output belongs to our programs.
+#define printf(...) ((void)0)
 // The octree's header leans on those before it: this order is needed.
 // clang-format off
 #include <pcl/surface/3rdparty/poisson4/octree_poisson.h>
@@ -10,29 +22,29 @@
 #include <pcl/surface/3rdparty/poisson4/multi_grid_octree_data.h>
 #include <pcl/surface/3rdparty/poisson4/geometry.h>
 // clang-format on
-
-#include <algorithm>
-#include <cmath>
-#include <mutex>
-#include <vector>
+#undef printf
 
 namespace depthscope::recon {
 namespace {
 
 namespace kazhdan = pcl::poisson;
 
-// PCL's octree is driven directly: its pcl::Poisson compiles the solver for five spline degrees, of which only
-// the second is wanted.
+// PCL's octree is driven directly: its pcl::Poisson compiles the solver for five spline degrees, of
+// which only the second is wanted.
 using Octree = kazhdan::Octree<2>;
 
-constexpr float kBoxScale = 1.1f;         // solver's cube over the bounding cube of the points
-constexpr int kNodePoolBlock = 1 << 12;   // octree nodes allocated at a time
-constexpr int kSolverBlockDepth = 8;      // solve and extract in blocks below this depth, to save memory
+constexpr float kBoxScale = 1.1f;        // solver's cube over the bounding cube of the points
+constexpr int kNodePoolBlock = 1 << 12;  // octree nodes allocated at a time
+constexpr int kSolverBlockDepth =
+    8;  // solve and extract in blocks below this depth, to save memory
 constexpr int kSolverMinIterations = 8;   // of conjugate gradients at each depth
 constexpr double kSolverAccuracy = 1e-3;  // relative residual
 
-/// Depth at which the density of the samples is estimated: coarser than the surface, so that it is smooth.
-int densityDepth(int depth) { return depth - 2; }
+/// Depth at which the density of the samples is estimated: coarser than the surface, so that it is
+/// smooth.
+int densityDepth(int depth) {
+  return depth - 2;
+}
 
 }  // namespace
 
@@ -57,12 +69,11 @@ SurfaceMesh poissonSurface(const SupportCloud::ConstPtr& cloud, int depth,
   tree.setBSplineData(depth, 1.f / static_cast<float>(1 << depth), true);
   kazhdan::Point3D<float> corner;
   float scale = 1;
-  tree.setTree<pcl::PointNormal>(cloud, depth, std::min(depth, settings.poisson_min_depth),
-                                 densityDepth(depth),
-                                 static_cast<float>(settings.poisson_samples_per_node), kBoxScale,
-                                 corner, scale, /*useConfidence=*/0,
-                                 static_cast<float>(settings.poisson_point_weight),
-                                 /*adaptiveWeights=*/true);
+  tree.setTree<pcl::PointNormal>(
+      cloud, depth, std::min(depth, settings.poisson_min_depth), densityDepth(depth),
+      static_cast<float>(settings.poisson_samples_per_node), kBoxScale, corner, scale,
+      /*useConfidence=*/0, static_cast<float>(settings.poisson_point_weight),
+      /*adaptiveWeights=*/true);
   tree.ClipTree();
   tree.finalize();
   tree.RefineBoundary(kSolverBlockDepth);

@@ -8,10 +8,10 @@ namespace depthscope::recon {
 /// Octree depth whose finest cell is about `poisson_cell`, within the bounds of the settings.
 int poissonDepth(const SupportCloud& cloud, float spacing, const ReconSettings& settings);
 
-/// Screened Poisson surface (paper, section 3.3; Kazhdan and Hoppe 2013) through oriented points: fills
-/// `vertices` and `triangles` of the result, counter-clockwise seen from where the normals point. The surface
-/// is closed or ends at the solver's box, so it needs trimming. Not re-entrant: PCL keeps its octree
-/// nodes in a static pool, so calls are serialized.
+/// Screened Poisson surface (paper, section 3.3; Kazhdan and Hoppe 2013) through oriented points:
+/// fills `vertices` and `triangles` of the result, counter-clockwise seen from where the normals
+/// point. The surface is closed or ends at the solver's box, so it needs trimming. Not re-entrant:
+/// PCL keeps its octree nodes in a static pool, so calls are serialized.
 SurfaceMesh poissonSurface(const SupportCloud::ConstPtr& cloud, int depth,
                            const ReconSettings& settings);
 

@@ -11,8 +11,11 @@ namespace {
 
 constexpr int kNice = 10;  // well below tracking, still above what the system calls idle
 
-/// On Linux a thread has its own nice value. Failure leaves the default priority, which is harmless.
-void lowerPriority() { (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice); }
+/// On Linux a thread has its own nice value. Failure leaves the default priority, which is
+/// harmless.
+void lowerPriority() {
+  (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
+}
 
 }  // namespace
 

@@ -17,29 +17,31 @@ struct ReconReport {
   std::size_t triangles = 0;  // in the mesh; 0 unless Ok
 };
 
-/// Reconstructs on a thread of its own at low priority. Requests and meshes are exchanged by a swap under a
-/// lock that callers only ever try: tracking never waits for reconstruction. Only the newest request
-/// and the newest mesh count. No exception leaves the thread.
+/// Reconstructs on a thread of its own at low priority. Requests and meshes are exchanged by a swap
+/// under a lock that callers only ever try: tracking never waits for reconstruction. Only the
+/// newest request and the newest mesh count. No exception leaves the thread.
 class ReconstructionWorker {
  public:
   using Listener = std::function<void(const ReconReport&)>;
 
-  /// `on_finished`, if any, is called on the worker's thread after every reconstruction; it must not throw.
+  /// `on_finished`, if any, is called on the worker's thread after every reconstruction; it must
+  /// not throw.
   explicit ReconstructionWorker(const ReconSettings& settings, Listener on_finished = {});
   /// Cancels what is running and joins.
   ~ReconstructionWorker();
   ReconstructionWorker(const ReconstructionWorker&) = delete;
   ReconstructionWorker& operator=(const ReconstructionWorker&) = delete;
 
-  /// Swaps `cloud` with the waiting request (whose storage comes back for reuse) and wakes the worker. False,
-  /// and `cloud` as it was, in the rare case that the worker is at the exchange itself: ask again later.
+  /// Swaps `cloud` with the waiting request (whose storage comes back for reuse) and wakes the
+  /// worker. False, and `cloud` as it was, in the rare case that the worker is at the exchange
+  /// itself: ask again later.
   bool request(SparseCloud& cloud);
 
   /// Swaps the newest mesh into `mesh` if there is one that was not taken yet.
   bool takeNewest(SurfaceMesh& mesh);
 
-  /// Cancels the reconstruction that runs and drops the waiting request, as after a reset of the map. Its mesh
-  /// may still come when it was already done: compare `map_id`.
+  /// Cancels the reconstruction that runs and drops the waiting request, as after a reset of the
+  /// map. Its mesh may still come when it was already done: compare `map_id`.
   void cancel();
 
  private:

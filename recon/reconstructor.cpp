@@ -29,12 +29,12 @@ void check(const ReconSettings& s) {
   requireRange("max_points", s.max_points, s.min_points, 1e6);
   requireRange("max_triangles", s.max_triangles, 100, 1e7);
   requireRange("max_view_tilt_deg", s.max_view_tilt_deg, 1, 90);
+  requireRange("max_distance", s.max_distance, 2, 1e6);
   requireRange("spacing_neighbours", s.spacing_neighbours, 1, 100);
   requireRange("outlier_radius", s.outlier_radius, 0.1, 100);
   requireRange("outlier_min_neighbours", s.outlier_min_neighbours, 0, 1000);
   requireRange("voxel_size", s.voxel_size, 0.05, 10);
   requireRange("mls_radius", s.mls_radius, 0.5, 50);
-  requireRange("mls_sigma", s.mls_sigma, 0.1, 50);
   requireRange("mls_max_residual", s.mls_max_residual, 0.5, 100);
   requireRange("poisson_cell", s.poisson_cell, 0.05, 10);
   requireRange("poisson_min_depth", s.poisson_min_depth, 2, 10);
@@ -51,11 +51,16 @@ void check(const ReconSettings& s) {
 
 const char* toString(ReconStatus status) {
   switch (status) {
-    case ReconStatus::Ok: return "ok";
-    case ReconStatus::TooFewPoints: return "too few points";
-    case ReconStatus::Cancelled: return "cancelled";
-    case ReconStatus::OutOfMemory: return "out of memory";
-    case ReconStatus::Failed: return "failed";
+    case ReconStatus::Ok:
+      return "ok";
+    case ReconStatus::TooFewPoints:
+      return "too few points";
+    case ReconStatus::Cancelled:
+      return "cancelled";
+    case ReconStatus::OutOfMemory:
+      return "out of memory";
+    case ReconStatus::Failed:
+      return "failed";
   }
   return "unknown";
 }

@@ -60,7 +60,8 @@ std::vector<VertexSupport> judgeVertices(const SurfaceMesh& mesh,
   return out;
 }
 
-/// Poisson's own winding is a convention of its code; the support decides it for the mesh as a whole.
+/// Poisson's own winding is a convention of its code; the support decides it for the mesh as a
+/// whole.
 void windTowardsSupport(SurfaceMesh& mesh, const std::vector<VertexSupport>& judged) {
   double agreement = 0;
   for (const Triangle& t : mesh.triangles)

@@ -5,14 +5,16 @@
 
 namespace depthscope::recon {
 
-/// Cuts `mesh` (vertices and triangles) down to what `support` (positions, oriented normals, observations)
-/// bears out: a vertex stays when the nearest support point is no farther than `trim_distance` times the
-/// spacing there and its normal agrees; holes of the observation stay holes; small islands go. Fills
-/// normals and confidence; turns triangles counter-clockwise seen from the cameras.
+/// Cuts `mesh` (vertices and triangles) down to what `support` (positions, oriented normals,
+/// observations) bears out: a vertex stays when the nearest support point is no farther than
+/// `trim_distance` times the spacing there and its normal agrees; holes of the observation stay
+/// holes; small islands go. Fills normals and confidence; turns triangles counter-clockwise seen
+/// from the cameras.
 void trimToSupport(SurfaceMesh& mesh, const SupportCloud::ConstPtr& support, float spacing,
                    const ReconSettings& settings);
 
-/// Drops connected pieces whose area is below `min_area` [map units^2] and vertices that no triangle uses.
+/// Drops connected pieces whose area is below `min_area` [map units^2] and vertices that no
+/// triangle uses.
 void dropSmallIslands(SurfaceMesh& mesh, float min_area);
 
 /// Unit vertex normals, each the area-weighted mean over its triangles.

@@ -118,7 +118,8 @@ void InsetView::drawMesh(const SurfaceBuffers& surface, const CueStyle& style, f
   glUniform3f(view_scale_, static_cast<float>(2 * px_per_unit_ / panel_.width()),
               static_cast<float>(2 * px_per_unit_ / panel_.height()),
               static_cast<float>(1 / half_depth_));
-  glUniform2f(depth_scale_, style.near_depth, 1 / (style.far_depth - style.near_depth));
+  glUniform2f(depth_scale_, style.near_depth,
+              style.near_depth * style.far_depth / (style.far_depth - style.near_depth));
   glUniform1f(alpha_, alpha);
   glViewport(panel_.x0, panel_.y0, panel_.width(), panel_.height());
   glScissor(panel_.x0 + 2, panel_.y0 + 2, panel_.width() - 4, panel_.height() - 4);

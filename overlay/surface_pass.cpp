@@ -9,7 +9,7 @@
 namespace depthscope::overlay {
 namespace {
 
-constexpr float kContoursInView = 10;
+constexpr float kContoursInView = 14;
 
 /// Uniforms of lens.glsl that never change.
 void setLens(const ShaderProgram& program, const CameraModel& camera) {
@@ -29,7 +29,7 @@ void setLens(const ShaderProgram& program, const CameraModel& camera) {
 }  // namespace
 
 SurfacePass::Cue::Cue(const CameraModel& camera, const char* define)
-    : program("surface", {shader_text::lens, shader_text::surface_vert},
+    : program("surface", {define, shader_text::lens, shader_text::surface_vert},
               {define, shader_text::ramp, shader_text::surface_frag}),
       R(program.uniform("u_R_camera_surface")),
       t(program.uniform("u_t_camera_surface")),
@@ -59,7 +59,7 @@ void SurfacePass::setUp(const Cue& cue, const Pose& T_camera_surface, const CueS
   glUniformMatrix3fv(cue.R, 1, GL_FALSE, R.data());
   glUniform3fv(cue.t, 1, t.data());
   glUniform2f(cue.clip_depths, clip[0], clip[1]);
-  glUniform2f(cue.depth_scale, style.near_depth, 1 / span);
+  glUniform2f(cue.depth_scale, style.near_depth, style.near_depth * style.far_depth / span);
   glUniform2f(cue.contour, std::exp2(-floor_octave), 1 - (octave - floor_octave));
   glUniform1f(cue.opacity, style.opacity);
   glUniform1f(cue.alpha, alpha);

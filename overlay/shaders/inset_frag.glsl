@@ -1,7 +1,7 @@
 in float v_depth;
 in vec3 v_normal;
 in float v_fade;
-uniform vec2 u_depth_scale;  // near depth, 1 / (far - near)
+uniform vec2 u_depth_scale;  // see depthPlace
 uniform float u_alpha;
 layout(location = 0) out vec4 o_color;  // premultiplied
 
@@ -11,6 +11,6 @@ void main() {
   vec3 n = normalize(v_normal);
   float lit = max(dot(n, normalize(vec3(-0.35, -0.45, -0.82))), 0.0);
   float lightness = n.z < 0.0 ? 0.35 + 0.65 * lit : 0.25;
-  vec3 c = depthColor((v_depth - u_depth_scale.x) * u_depth_scale.y);
+  vec3 c = depthColor(depthPlace(v_depth, u_depth_scale));
   o_color = vec4(c * lightness, 1.0) * u_alpha;
 }

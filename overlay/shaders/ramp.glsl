@@ -5,3 +5,7 @@ vec3 depthColor(float t) {
   return vec3(0.965, 0.951, 0.623) +
          t * (vec3(0.579, -1.281, -2.529) + t * (vec3(-1.963, 0.089, 6.033) + t * vec3(0.493, 0.394, -3.732)));
 }
+
+// Place on the ramp of a depth. Even in 1 / depth, like disparity: a step near by, where instruments work, gets more of the
+// colours than the same step far away. `scale`: near depth, near far / (far - near).
+float depthPlace(float depth, vec2 scale) { return (1.0 / scale.x - 1.0 / max(depth, 1e-6)) * scale.y; }

@@ -1,9 +1,10 @@
 // Built twice: with CUE_MESH for the paper's transparent mesh, without for pseudo-chromadepth.
+#ifdef CUE_MESH
 in vec3 v_bary;
+#endif
 in float v_fade;
-in float v_valid;
 in float v_depth;
-uniform vec2 u_depth_scale;  // near depth, 1 / (far - near)
+uniform vec2 u_depth_scale;  // see depthPlace
 uniform vec2 u_contour;      // 1 / distance of the contour lines, strength of every second one
 uniform float u_opacity;     // of the cue
 uniform float u_alpha;       // of everything
@@ -36,9 +37,8 @@ vec4 cue(float t) {
 #endif
 
 void main() {
-  vec4 c = cue((v_depth - u_depth_scale.x) * u_depth_scale.y);
-  // A triangle with a corner that has no place in the picture is not drawn at all.
-  if (v_valid < 0.9999 || v_fade <= 0.0) discard;
+  vec4 c = cue(depthPlace(v_depth, u_depth_scale));
+  if (v_fade <= 0.0) discard;
   float a = c.a * v_fade * u_alpha;
   o_color = vec4(c.rgb * a, a);
 }

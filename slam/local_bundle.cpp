@@ -8,8 +8,8 @@ namespace depthscope::slam {
 LocalBundle::LocalBundle(const SlamSettings& settings, Map& map)
     : map_(map),
       max_fixed_(settings.mapper.window_fixed),
-      adjuster_(settings.mapper.window_keyframes + settings.mapper.window_fixed + 1, settings.capacity.local_points,
-                settings.capacity.local_points * 12) {
+      adjuster_(settings.mapper.window_keyframes + settings.mapper.window_fixed + 1,
+                settings.capacity.local_points, settings.capacity.local_points * 12) {
   const int keyframes = settings.capacity.keyframes;
   pose_index_.resize(keyframes);
   shared_.resize(keyframes);
@@ -19,11 +19,17 @@ LocalBundle::LocalBundle(const SlamSettings& settings, Map& map)
   stamp_.resize(settings.capacity.map_points, 0);
 }
 
-BaSummary LocalBundle::adjust(std::span<const KeyframeId> window, int iterations, const std::atomic<bool>* stop) {
+BaSummary LocalBundle::adjust(std::span<const KeyframeId> window, int iterations,
+                              const std::atomic<bool>* stop) {
   gather(window);
   BaSettings settings;
-  settings.max_iterations = iterations;
-  const BaSummary summary = adjuster_.solve(map_.intrinsics(), settings, stop);
+  // First robustly, then without the outliers this shows (Mur-Artal et al. 2015, section VI.D).
+  settings.max_iterations = iterations / 2;
+  BaSummary summary = adjuster_.solve(map_.intrinsics(), settings, stop);
+  if (summary.end != BaSummary::End::Failed && summary.end != BaSummary::End::Stopped) {
+    settings.max_iterations = iterations - iterations / 2;
+    summary = adjuster_.solve(map_.intrinsics(), settings, stop);
+  }
   if (summary.end != BaSummary::End::Failed) writeBack();
   return summary;
 }
@@ -60,22 +66,26 @@ void LocalBundle::chooseFixed() {
   outside_.clear();
   for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k)
     if (shared_[k] > 0 && pose_index_[k] == kNone) outside_.push_back(k);
-  const auto sees_more = [&](KeyframeId a, KeyframeId b) { return shared_[a] != shared_[b] ? shared_[a] > shared_[b] : a < b; };
+  const auto sees_more = [&](KeyframeId a, KeyframeId b) {
+    return shared_[a] != shared_[b] ? shared_[a] > shared_[b] : a < b;
+  };
   std::sort(outside_.begin(), outside_.end(), sees_more);
   outside_.resize(std::min<std::size_t>(outside_.size(), max_fixed_));
   for (const KeyframeId k : outside_) {
     pose_index_[k] = adjuster_.addPose(map_.keyframe(k).T_camera_world, true);
     keyframes_.push_back(k);
   }
-  // Seven degrees of freedom are free in a monocular map: without two fixed keyframes the oldest of the window
-  // hold it.
+  // Seven degrees of freedom are free in a monocular map: without two fixed keyframes the oldest of
+  // the window hold it.
   std::size_t missing = 2 - std::min<std::size_t>(2, outside_.size());
   const std::size_t window = keyframes_.size() - outside_.size();
   for (; missing > 0 && missing < window; --missing) {
     std::size_t oldest = window;
     for (std::size_t i = 0; i < window; ++i) {
       if (adjuster_.poses()[i].fixed) continue;
-      if (oldest == window || map_.keyframe(keyframes_[i]).serial < map_.keyframe(keyframes_[oldest]).serial) oldest = i;
+      if (oldest == window ||
+          map_.keyframe(keyframes_[i]).serial < map_.keyframe(keyframes_[oldest]).serial)
+        oldest = i;
     }
     adjuster_.poses()[oldest].fixed = true;
   }
@@ -86,7 +96,11 @@ void LocalBundle::addObservations() {
     for (const Observation& o : map_.observations(points_[i])) {
       if (pose_index_[o.keyframe] == kNone) continue;
       const Keypoint& k = map_.keyframe(o.keyframe).features.keypoints[o.feature];
-      adjuster_.addObservation({pose_index_[o.keyframe], static_cast<int>(i), {k.ux, k.uy}, 1 / (k.sigma * k.sigma), true});
+      adjuster_.addObservation({pose_index_[o.keyframe],
+                                static_cast<int>(i),
+                                {k.ux, k.uy},
+                                1 / (k.sigma * k.sigma),
+                                true});
     }
   }
 }
@@ -94,10 +108,13 @@ void LocalBundle::addObservations() {
 void LocalBundle::writeBack() {
   const std::lock_guard lock(map_.mutex);
   for (std::size_t i = 0; i < keyframes_.size(); ++i)
-    if (!adjuster_.poses()[i].fixed) map_.keyframe(keyframes_[i]).T_camera_world = adjuster_.poses()[i].T_camera_world;
-  for (std::size_t i = 0; i < points_.size(); ++i) map_.point(points_[i]).position = adjuster_.points()[i];
+    if (!adjuster_.poses()[i].fixed)
+      map_.keyframe(keyframes_[i]).T_camera_world = adjuster_.poses()[i].T_camera_world;
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    map_.point(points_[i]).position = adjuster_.points()[i];
   for (const BaObservation& o : adjuster_.observations())
-    if (!o.inlier && map_.point(points_[o.point]).alive) map_.unobserve(points_[o.point], keyframes_[o.pose]);
+    if (!o.inlier && map_.point(points_[o.point]).alive)
+      map_.unobserve(points_[o.point], keyframes_[o.pose]);
   for (const PointId p : points_)
     if (map_.point(p).alive) map_.refreshGeometry(p);
 }

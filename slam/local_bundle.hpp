@@ -8,15 +8,16 @@
 
 namespace depthscope::slam {
 
-/// Bundle adjustment of a window of the map: the window's keyframes and all points they see move, other keyframes
-/// that see these points hold still (Mur-Artal et al. 2015, section VI.D).
+/// Bundle adjustment of a window of the map: the window's keyframes and all points they see move,
+/// other keyframes that see these points hold still (Mur-Artal et al. 2015, section VI.D).
 class LocalBundle {
  public:
   LocalBundle(const SlamSettings& settings, Map& map);
 
-  /// Adjusts `window`. Observations found to be outliers are removed. Reads the map without, writes it with its mutex;
-  /// stops early when `stop` becomes true.
-  BaSummary adjust(std::span<const KeyframeId> window, int iterations, const std::atomic<bool>* stop);
+  /// Adjusts `window`. Observations found to be outliers are removed. Reads the map without, writes
+  /// it with its mutex; stops early when `stop` becomes true.
+  BaSummary adjust(std::span<const KeyframeId> window, int iterations,
+                   const std::atomic<bool>* stop);
   std::size_t bytes() const { return adjuster_.bytes(); }
 
  private:

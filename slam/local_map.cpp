@@ -10,7 +10,8 @@ LocalPoint makeLocalPoint(const Map& map, PointId id) {
           p.max_distance, p.descriptor, p.observation_count};
 }
 
-LocalMap::LocalMap(const SlamSettings& settings) : max_keyframes_(settings.tracker.local_keyframes) {
+LocalMap::LocalMap(const SlamSettings& settings)
+    : max_keyframes_(settings.tracker.local_keyframes) {
   points_.reserve(settings.capacity.local_points);
   votes_.resize(settings.capacity.keyframes);
   neighbour_votes_.resize(settings.capacity.keyframes);
@@ -19,7 +20,7 @@ LocalMap::LocalMap(const SlamSettings& settings) : max_keyframes_(settings.track
   keyframe_stamp_.resize(settings.capacity.keyframes, 0);
 }
 
-void LocalMap::addKeyframe(const Map& map, KeyframeId id) {
+void LocalMap::addKeyframe(KeyframeId id) {
   if (keyframe_stamp_[id] == stamp_ || static_cast<int>(chosen_.size()) >= max_keyframes_) return;
   keyframe_stamp_[id] = stamp_;
   chosen_.push_back(id);
@@ -37,7 +38,8 @@ void LocalMap::collect(const Map& map, std::span<const PointRef> tracked) {
   }
   // Most votes first; equal votes: the newer keyframe.
   const auto better = [&](KeyframeId a, KeyframeId b) {
-    return votes_[a] != votes_[b] ? votes_[a] > votes_[b] : map.keyframe(a).serial > map.keyframe(b).serial;
+    return votes_[a] != votes_[b] ? votes_[a] > votes_[b]
+                                  : map.keyframe(a).serial > map.keyframe(b).serial;
   };
   for (KeyframeId k = 0; k < map.keyframeCapacity(); ++k)
     if (votes_[k] > 0) chosen_.push_back(k);
@@ -53,7 +55,7 @@ void LocalMap::collect(const Map& map, std::span<const PointRef> tracked) {
     for (int n = 0; n < 3; ++n) {
       const auto best = std::max_element(neighbour_votes_.begin(), neighbour_votes_.end());
       if (*best < 15) break;
-      addKeyframe(map, static_cast<KeyframeId>(best - neighbour_votes_.begin()));
+      addKeyframe(static_cast<KeyframeId>(best - neighbour_votes_.begin()));
       *best = 0;
     }
   }

@@ -16,14 +16,14 @@ struct LocalPoint {
   std::int32_t observations;
 };
 
-/// A copy of the part of the map around the camera. Arrays of fixed capacity; methods that read the map
-/// must be called with its mutex held.
+/// A copy of the part of the map around the camera. Arrays of fixed capacity; methods that read the
+/// map must be called with its mutex held.
 class LocalMap {
  public:
   LocalMap(const SlamSettings& settings);
 
-  /// Collects the points of the keyframes that share most points with `tracked`, and of the keyframes that
-  /// share most with the best of these (Mur-Artal et al. 2015, section V.D).
+  /// Collects the points of the keyframes that share most points with `tracked`, and of the
+  /// keyframes that share most with the best of these (Mur-Artal et al. 2015, section V.D).
   void collect(const Map& map, std::span<const PointRef> tracked);
 
   std::span<const LocalPoint> points() const { return points_; }
@@ -31,7 +31,7 @@ class LocalMap {
   KeyframeId reference() const { return reference_; }
 
  private:
-  void addKeyframe(const Map& map, KeyframeId id);
+  void addKeyframe(KeyframeId id);
 
   int max_keyframes_;
   std::vector<LocalPoint> points_;

@@ -24,7 +24,8 @@ Map::Map(const SlamSettings& settings, const CameraModel& camera)
   observations_.resize(points_.size() * observations_per_point_);
   scales_.resize(settings.extractor.levels);
   for (std::size_t i = 0; i < scales_.size(); ++i)
-    scales_[i] = static_cast<float>(std::pow(settings.extractor.scale_factor, static_cast<double>(i)));
+    scales_[i] =
+        static_cast<float>(std::pow(settings.extractor.scale_factor, static_cast<double>(i)));
   depth_scratch_.reserve(features);
   free_keyframes_.reserve(keyframes_.size());
   free_points_.reserve(points_.size());
@@ -47,8 +48,8 @@ void Map::clear() {
   keyframe_count_ = point_count_ = point_end_ = 0;
 }
 
-KeyframeId Map::addKeyframe(const FeatureSet& features, const Pose& T_camera_world, std::int64_t frame,
-                            double timestamp_s) {
+KeyframeId Map::addKeyframe(const FeatureSet& features, const Pose& T_camera_world,
+                            std::int64_t frame, double timestamp_s) {
   if (free_keyframes_.empty()) return kNone;
   const KeyframeId id = free_keyframes_.back();
   free_keyframes_.pop_back();
@@ -96,8 +97,8 @@ bool Map::observe(PointId point, KeyframeId keyframe, int feature) {
   Keyframe& k = keyframes_[keyframe];
   if (p.observation_count == observations_per_point_ || k.points[feature] != kNone) return false;
   if (isObservedBy(point, keyframe)) return false;
-  observations_[static_cast<std::size_t>(point) * observations_per_point_ + p.observation_count++] = {keyframe,
-                                                                                                     feature};
+  observations_[static_cast<std::size_t>(point) * observations_per_point_ + p.observation_count++] =
+      {keyframe, feature};
   k.points[feature] = point;
   return true;
 }
@@ -171,14 +172,16 @@ void Map::refreshPoint(PointId id) {
   MapPoint& p = points_[id];
   const auto obs = observations(id);
   if (obs.empty()) return;
-  // The descriptor with the least median distance to the others (Mur-Artal et al. 2015, section III.C).
+  // The descriptor with the least median distance to the others (Mur-Artal et al. 2015, section
+  // III.C).
   const auto descriptorOf = [&](const Observation& o) -> const Descriptor& {
     return keyframes_[o.keyframe].features.descriptors[o.feature];
   };
   int best_median = 1 << 30;
   std::array<int, kMaxObservations> d;
   for (std::size_t i = 0; i < obs.size(); ++i) {
-    for (std::size_t j = 0; j < obs.size(); ++j) d[j] = hammingDistance(descriptorOf(obs[i]), descriptorOf(obs[j]));
+    for (std::size_t j = 0; j < obs.size(); ++j)
+      d[j] = hammingDistance(descriptorOf(obs[i]), descriptorOf(obs[j]));
     std::nth_element(d.begin(), d.begin() + obs.size() / 2, d.begin() + obs.size());
     if (d[obs.size() / 2] >= best_median) continue;
     best_median = d[obs.size() / 2];
@@ -203,8 +206,9 @@ void Map::refreshGeometry(PointId id) {
   p.min_distance = p.max_distance / scales_.back();
 }
 
-int Map::predictLevel(const MapPoint& point, double distance) const {
-  const int level = static_cast<int>(std::ceil(std::log(point.max_distance / distance) / log_scale_factor_));
+int Map::predictLevel(double max_distance, double distance) const {
+  const int level =
+      static_cast<int>(std::ceil(std::log(max_distance / distance) / log_scale_factor_));
   return std::clamp(level, 0, levels() - 1);
 }
 
@@ -240,10 +244,12 @@ void Map::rescale(double factor) {
 }
 
 std::size_t Map::bytes() const {
-  std::size_t bytes = points_.capacity() * sizeof(MapPoint) + observations_.capacity() * sizeof(Observation) +
+  std::size_t bytes = points_.capacity() * sizeof(MapPoint) +
+                      observations_.capacity() * sizeof(Observation) +
                       free_points_.capacity() * sizeof(PointId);
   for (const Keyframe& k : keyframes_)
-    bytes += sizeof k + k.features.keypoints.capacity() * (2 * sizeof(Keypoint) + sizeof(Descriptor) + sizeof(PointId));
+    bytes += sizeof k + k.features.keypoints.capacity() *
+                            (2 * sizeof(Keypoint) + sizeof(Descriptor) + sizeof(PointId));
   return bytes;
 }
 

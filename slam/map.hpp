@@ -29,30 +29,32 @@ struct Observation {
 /// A landmark. Distances and directions are in the map's unit and world frame.
 struct MapPoint {
   bool alive = false;
-  std::uint32_t generation = 0;        // of this slot; grows when the slot is freed
-  PointRef replaced_by;                // after a merge: where this point lives on
+  std::uint32_t generation = 0;  // of this slot; grows when the slot is freed
+  PointRef replaced_by;          // after a merge: where this point lives on
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // mean direction from the cameras to the point, unit
-  float min_distance = 0, max_distance = 0;          // range in which its pyramid levels can see it
-  Descriptor descriptor;               // the observation's nearest to all the others
-  std::int64_t born_serial = 0;        // serial of the keyframe that made it
-  std::int32_t visible = 0, found = 0; // frames in which it should have been, and was, seen
+  Eigen::Vector3d normal =
+      Eigen::Vector3d::Zero();               // mean direction from the cameras to the point, unit
+  float min_distance = 0, max_distance = 0;  // range in which its pyramid levels can see it
+  Descriptor descriptor;                     // the observation's nearest to all the others
+  std::int64_t born_serial = 0;              // serial of the keyframe that made it
+  std::int32_t visible = 0, found = 0;       // frames in which it should have been, and was, seen
   std::int32_t observation_count = 0;
 };
 
 struct Keyframe {
   bool alive = false;
-  std::int64_t serial = 0;             // order of creation, never reused
+  std::int64_t serial = 0;  // order of creation, never reused
   std::int64_t frame = 0;
   double timestamp_s = 0;
   Pose T_camera_world;
   FeatureSet features;
-  std::vector<PointId> points;         // per feature, kNone where it observes none
+  std::vector<PointId> points;  // per feature, kNone where it observes none
 };
 
-/// Keyframes, points and who sees whom, in fixed-capacity arrays addressed by index. One thread, the
-/// mapper's (or the tracker's while there is no map), changes it and holds `mutex` while it does; others hold
-/// `mutex` while they read. The writer may read without it. Nothing is allocated after construction.
+/// Keyframes, points and who sees whom, in fixed-capacity arrays addressed by index. One thread,
+/// the mapper's (or the tracker's while there is no map), changes it and holds `mutex` while it
+/// does; others hold `mutex` while they read. The writer may read without it. Nothing is allocated
+/// after construction.
 class Map {
  public:
   Map(const SlamSettings& settings, const CameraModel& camera);
@@ -67,12 +69,14 @@ class Map {
   KeyframeId addKeyframe(const FeatureSet& features, const Pose& T_camera_world, std::int64_t frame,
                          double timestamp_s);
   PointId addPoint(const Eigen::Vector3d& position, std::int64_t born_serial);
-  void removeKeyframe(KeyframeId id);  // with every observation it holds; points left with < 2 go too
+  void removeKeyframe(
+      KeyframeId id);  // with every observation it holds; points left with < 2 go too
   void removePoint(PointId id);
   /// All observations of `from` pass to `into` (where the keyframe does not see both), `from` goes.
   void mergePoints(PointId from, PointId into);
 
-  /// Records that `feature` of `keyframe` sees `point`; false when either is taken or the point is full.
+  /// Records that `feature` of `keyframe` sees `point`; false when either is taken or the point is
+  /// full.
   bool observe(PointId point, KeyframeId keyframe, int feature);
   void unobserve(PointId point, KeyframeId keyframe);
   /// Recomputes descriptor, normal and distance range from the observations.
@@ -100,7 +104,8 @@ class Map {
   int pointEnd() const { return point_end_; }
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
-  /// Votes: into `votes[k]` the number of points that `id` shares with keyframe k (size keyframeCapacity()).
+  /// Votes: into `votes[k]` the number of points that `id` shares with keyframe k (size
+  /// keyframeCapacity()).
   void countShared(KeyframeId id, std::span<int> votes) const;
   /// Median depth [map unit] of the points a keyframe sees, in its camera; <= 0 when it sees none.
   double medianDepth(KeyframeId id);
@@ -109,8 +114,8 @@ class Map {
 
   float scaleOf(int octave) const { return scales_[octave]; }
   int levels() const { return static_cast<int>(scales_.size()); }
-  /// Pyramid level at which a point at `distance` is expected.
-  int predictLevel(const MapPoint& point, double distance) const;
+  /// Pyramid level at which a point is expected at `distance`, given its `max_distance`.
+  int predictLevel(double max_distance, double distance) const;
   std::size_t bytes() const;
 
  private:

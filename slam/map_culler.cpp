@@ -59,7 +59,8 @@ double MapCuller::redundancy(KeyframeId id) const {
 void MapCuller::cullKeyframes(std::span<const KeyframeId> candidates) {
   for (const KeyframeId k : candidates) {
     const std::lock_guard lock(map_.mutex);
-    if (map_.keyframe(k).alive && map_.keyframeCount() > 3 && redundancy(k) > settings_.redundancy) remove(k);
+    if (map_.keyframe(k).alive && map_.keyframeCount() > 3 && redundancy(k) > settings_.redundancy)
+      remove(k);
   }
 }
 
@@ -72,7 +73,9 @@ void MapCuller::makeRoom(KeyframeId keep) {
     for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k) {
       if (!map_.keyframe(k).alive || k == keep) continue;
       const double r = redundancy(k);
-      if (r < most_redundant || (r == most_redundant && map_.keyframe(k).serial > map_.keyframe(least).serial)) continue;
+      if (r < most_redundant ||
+          (r == most_redundant && map_.keyframe(k).serial > map_.keyframe(least).serial))
+        continue;
       most_redundant = r;
       least = k;
     }
@@ -82,8 +85,10 @@ void MapCuller::makeRoom(KeyframeId keep) {
 
 void MapCuller::remove(KeyframeId id) {
   map_.countShared(id, votes_);
-  KeyframeId heir = static_cast<KeyframeId>(std::max_element(votes_.begin(), votes_.end()) - votes_.begin());
-  if (votes_[heir] == 0) {  // sees nothing that others see: any other keyframe will do, the nearest in time best
+  KeyframeId heir =
+      static_cast<KeyframeId>(std::max_element(votes_.begin(), votes_.end()) - votes_.begin());
+  if (votes_[heir] ==
+      0) {  // sees nothing that others see: any other keyframe will do, the nearest in time best
     std::int64_t nearest = -1;
     for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k) {
       if (!map_.keyframe(k).alive || k == id) continue;

@@ -7,18 +7,20 @@
 
 namespace depthscope::slam {
 
-/// Keeps the map lean and within its capacity (Mur-Artal et al. 2015, sections VI.B and VI.E). Locks the map's mutex.
+/// Keeps the map lean and within its capacity (Mur-Artal et al. 2015, sections VI.B and VI.E).
+/// Locks the map's mutex.
 class MapCuller {
  public:
   MapCuller(const SlamSettings& settings, Map& map, Trajectory& trajectory);
 
-  /// Drops of the recently created points those that were seldom found where they should have been seen, or
-  /// that too few keyframes came to see; forgets those that passed.
+  /// Drops of the recently created points those that were seldom found where they should have been
+  /// seen, or that too few keyframes came to see; forgets those that passed.
   void cullRecentPoints(std::vector<PointRef>& recent, std::int64_t current_serial);
-  /// Removes those of `candidates` nearly all of whose points at least three others see as well or better.
+  /// Removes those of `candidates` nearly all of whose points at least three others see as well or
+  /// better.
   void cullKeyframes(std::span<const KeyframeId> candidates);
-  /// Frees a keyframe slot, and enough point slots, by dropping the most redundant keyframes, the oldest first
-  /// among equals; never `keep`.
+  /// Frees a keyframe slot, and enough point slots, by dropping the most redundant keyframes, the
+  /// oldest first among equals; never `keep`.
   void makeRoom(KeyframeId keep);
 
  private:

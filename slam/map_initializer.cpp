@@ -25,19 +25,22 @@ MapInitializer::MapInitializer(const SlamSettings& settings, const CameraModel& 
   second_.reserve(settings.extractor.features);
 }
 
-void MapInitializer::setReference(const FeatureSet& features, std::int64_t frame, double timestamp_s) {
+void MapInitializer::setReference(const FeatureSet& features, std::int64_t frame,
+                                  double timestamp_s) {
   has_reference_ = features.size() >= settings_.min_matches;
   reference_ = features;
   reference_frame_ = frame;
   reference_timestamp_s_ = timestamp_s;
 }
 
-bool MapInitializer::offer(const FeatureSet& features, std::int64_t frame, double timestamp_s, Map& map) {
+bool MapInitializer::offer(const FeatureSet& features, std::int64_t frame, double timestamp_s,
+                           Map& map) {
   if (!has_reference_) {
     setReference(features, frame, timestamp_s);
     return false;
   }
-  const int n = matcher_.matchForInitialization(reference_, features, settings_.search_radius_px, matches_);
+  const int n =
+      matcher_.matchForInitialization(reference_, features, settings_.search_radius_px, matches_);
   if (n < settings_.min_matches) {
     setReference(features, frame, timestamp_s);
     return false;
@@ -57,8 +60,10 @@ bool MapInitializer::offer(const FeatureSet& features, std::int64_t frame, doubl
   return buildMap(features, frame, timestamp_s, map);
 }
 
-bool MapInitializer::buildMap(const FeatureSet& features, std::int64_t frame, double timestamp_s, Map& map) {
-  const KeyframeId first = map.addKeyframe(reference_, Pose{}, reference_frame_, reference_timestamp_s_);
+bool MapInitializer::buildMap(const FeatureSet& features, std::int64_t frame, double timestamp_s,
+                              Map& map) {
+  const KeyframeId first =
+      map.addKeyframe(reference_, Pose{}, reference_frame_, reference_timestamp_s_);
   const KeyframeId second = map.addKeyframe(features, result_.T_second_first, frame, timestamp_s);
   for (std::size_t m = 0; m < matched_.size(); ++m) {
     if (!result_.triangulated[m]) continue;

@@ -7,8 +7,8 @@
 
 namespace depthscope::slam {
 
-Mapper::Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map, Trajectory& trajectory,
-               MappingMode mode)
+Mapper::Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map,
+               Trajectory& trajectory, MappingMode mode)
     : settings_(settings),
       map_(map),
       mode_(mode),
@@ -44,8 +44,8 @@ bool Mapper::idle() const {
   return !has_waiting_ && !busy_;
 }
 
-bool Mapper::submit(const FeatureSet& features, std::span<const PointRef> points, const Pose& T_camera_world,
-                    std::int64_t frame, double timestamp_s) {
+bool Mapper::submit(const FeatureSet& features, std::span<const PointRef> points,
+                    const Pose& T_camera_world, std::int64_t frame, double timestamp_s) {
   {
     const std::lock_guard lock(queue_mutex_);
     if (has_waiting_) return false;
@@ -93,7 +93,9 @@ void Mapper::drain() {
   recent_.clear();
 }
 
-double Mapper::takeMapMs() { return map_ms_.exchange(-1); }
+double Mapper::takeMapMs() {
+  return map_ms_.exchange(-1);
+}
 
 void Mapper::adoptInitialMap() {
   window_.clear();
@@ -116,14 +118,17 @@ void Mapper::process(const KeyframeRequest& request) {
   const auto neighbours = bestNeighbours(id, settings_.mapper.window_keyframes - 1);
   window_.assign(neighbours.begin(), neighbours.end());
   window_.push_back(id);
-  bundle_.adjust(window_, settings_.mapper.iterations, mode_ == MappingMode::Threaded ? &interrupt_ : nullptr);
+  bundle_.adjust(window_, settings_.mapper.iterations,
+                 mode_ == MappingMode::Threaded ? &interrupt_ : nullptr);
   culler_.cullKeyframes(bestNeighbours(id, settings_.capacity.keyframes));
-  map_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  map_ms_ =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 KeyframeId Mapper::insert(const KeyframeRequest& request) {
   const std::lock_guard lock(map_.mutex);
-  const KeyframeId id = map_.addKeyframe(request.features, request.T_camera_world, request.frame, request.timestamp_s);
+  const KeyframeId id = map_.addKeyframe(request.features, request.T_camera_world, request.frame,
+                                         request.timestamp_s);
   for (int f = 0; f < request.features.size(); ++f) {
     const PointId p = map_.resolve(request.points[f]);
     if (p != kNone && map_.observe(p, id, f)) map_.refreshPoint(p);
@@ -137,7 +142,8 @@ std::span<const KeyframeId> Mapper::bestNeighbours(KeyframeId id, int count) {
   for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k)
     if (votes_[k] > 0) neighbours_.push_back(k);
   std::sort(neighbours_.begin(), neighbours_.end(), [&](KeyframeId a, KeyframeId b) {
-    return votes_[a] != votes_[b] ? votes_[a] > votes_[b] : map_.keyframe(a).serial > map_.keyframe(b).serial;
+    return votes_[a] != votes_[b] ? votes_[a] > votes_[b]
+                                  : map_.keyframe(a).serial > map_.keyframe(b).serial;
   });
   neighbours_.resize(std::min<std::size_t>(neighbours_.size(), count));
   return neighbours_;

@@ -23,19 +23,23 @@ struct KeyframeRequest {
   double timestamp_s = 0;
 };
 
-/// Makes keyframes out of frames and keeps the map accurate and small (Mur-Artal et al. 2015, section VI). Works in
-/// the caller's time (Lockstep) or in a thread of its own (Threaded). The only writer of the map once it exists.
+/// Makes keyframes out of frames and keeps the map accurate and small (Mur-Artal et al. 2015,
+/// section VI). Works in the caller's time (Lockstep) or in a thread of its own (Threaded). The
+/// only writer of the map once it exists.
 class Mapper {
  public:
-  Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map, Trajectory& trajectory, MappingMode mode);
+  Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map, Trajectory& trajectory,
+         MappingMode mode);
   ~Mapper();
 
   /// True if a keyframe would be taken on at once.
   bool idle() const;
-  /// Hands over a keyframe. Threaded: false when one is waiting already; a bundle adjustment in progress is cut short.
-  bool submit(const FeatureSet& features, std::span<const PointRef> points, const Pose& T_camera_world,
-              std::int64_t frame, double timestamp_s);
-  /// After the initializer has made a map: adjusts it and starts to look after its points. Call while idle.
+  /// Hands over a keyframe. Threaded: false when one is waiting already; a bundle adjustment in
+  /// progress is cut short.
+  bool submit(const FeatureSet& features, std::span<const PointRef> points,
+              const Pose& T_camera_world, std::int64_t frame, double timestamp_s);
+  /// After the initializer has made a map: adjusts it and starts to look after its points. Call
+  /// while idle.
   void adoptInitialMap();
   /// Returns once nothing is in progress; what was waiting is thrown away.
   void drain();

@@ -37,8 +37,8 @@ Matcher::Matcher(const MatchingSettings& settings, int max_features) : settings_
   reverse_.resize(max_features);
 }
 
-int Matcher::matchForInitialization(const FeatureSet& first, const FeatureSet& second, double radius_px,
-                                    std::span<int> matches) {
+int Matcher::matchForInitialization(const FeatureSet& first, const FeatureSet& second,
+                                    double radius_px, std::span<int> matches) {
   constexpr int kFinestLevels = 3;  // coarser corners are too uncertain to start a map from
   std::fill(matches.begin(), matches.end(), kNone);
   std::fill(reverse_.begin(), reverse_.end(), kNone);
@@ -46,8 +46,8 @@ int Matcher::matchForInitialization(const FeatureSet& first, const FeatureSet& s
   for (int i = 0; i < first.size(); ++i) {
     const Keypoint& k = first.keypoints[i];
     if (k.octave >= kFinestLevels) continue;
-    const int n = second.grid.query(k.ux, k.uy, static_cast<float>(radius_px), std::max(0, k.octave - 1),
-                                    k.octave + 1, candidates_);
+    const int n = second.grid.query(k.ux, k.uy, static_cast<float>(radius_px),
+                                    std::max(0, k.octave - 1), k.octave + 1, candidates_);
     BestTwo best;
     for (int c = 0; c < n; ++c) {
       const int j = static_cast<int>(candidates_[c]);
@@ -64,14 +64,15 @@ int Matcher::matchForInitialization(const FeatureSet& first, const FeatureSet& s
   return keepConsistentRotations(first, second, matches);
 }
 
-int Matcher::matchProjected(const FeatureSet& features, std::span<const ProjectedPoint> points, int max_hamming,
-                            double ratio, std::span<int> matches) {
+int Matcher::matchProjected(const FeatureSet& features, std::span<const ProjectedPoint> points,
+                            int max_hamming, double ratio, std::span<int> matches) {
   std::fill(best_distance_.begin(), best_distance_.end(), kFar);
   int matched = 0;
   for (std::size_t p = 0; p < points.size(); ++p) {
     const ProjectedPoint& point = points[p];
     const float radius = point.radius * static_cast<float>(settings_.search_region);
-    const int n = features.grid.query(point.u, point.v, radius, point.min_octave, point.max_octave, candidates_);
+    const int n = features.grid.query(point.u, point.v, radius, point.min_octave, point.max_octave,
+                                      candidates_);
     BestTwo best;
     for (int c = 0; c < n; ++c) {
       const int f = static_cast<int>(candidates_[c]);
@@ -88,8 +89,9 @@ int Matcher::matchProjected(const FeatureSet& features, std::span<const Projecte
   return matched;
 }
 
-int Matcher::matchByDescriptor(const FeatureSet& from, std::span<const std::uint8_t> wanted, const FeatureSet& to,
-                               int max_hamming, double ratio, std::span<int> matches) {
+int Matcher::matchByDescriptor(const FeatureSet& from, std::span<const std::uint8_t> wanted,
+                               const FeatureSet& to, int max_hamming, double ratio,
+                               std::span<int> matches) {
   std::fill(matches.begin(), matches.end(), kNone);
   std::fill(reverse_.begin(), reverse_.end(), kNone);
   std::fill(best_distance_.begin(), best_distance_.end(), kFar);
@@ -108,9 +110,10 @@ int Matcher::matchByDescriptor(const FeatureSet& from, std::span<const std::uint
   return keepConsistentRotations(from, to, matches);
 }
 
-int Matcher::keepConsistentRotations(const FeatureSet& first, const FeatureSet& second, std::span<int> matches) {
-  // A rigid view turns all patches alike: keep the three fullest of 30 bins of the difference in angle
-  // (Mur-Artal et al. 2015), the lesser two only if at least a tenth of the fullest.
+int Matcher::keepConsistentRotations(const FeatureSet& first, const FeatureSet& second,
+                                     std::span<int> matches) {
+  // A rigid view turns all patches alike: keep the three fullest of 30 bins of the difference in
+  // angle (Mur-Artal et al. 2015), the lesser two only if at least a tenth of the fullest.
   constexpr int kBins = 30;
   const auto binOf = [&](int i) {
     const double turn = 2 * std::numbers::pi;

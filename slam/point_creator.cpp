@@ -44,7 +44,8 @@ PointCreator::DepthRange PointCreator::depthRange(KeyframeId keyframe) {
   if (depths_.size() < 10) return {0, 0};
   std::sort(depths_.begin(), depths_.end());
   // What is not mapped yet may well lie before or behind what is.
-  return {0.4 * depths_[depths_.size() / 20], 2.5 * depths_[depths_.size() - 1 - depths_.size() / 20]};
+  return {0.4 * depths_[depths_.size() / 20],
+          2.5 * depths_[depths_.size() - 1 - depths_.size() / 20]};
 }
 
 void PointCreator::createWith(KeyframeId keyframe, KeyframeId neighbour, DepthRange depths,
@@ -91,11 +92,13 @@ void PointCreator::matchAlongEpipolarLines(const Pair& pair, DepthRange depths) 
     const Keypoint& k = a.features.keypoints[i];
     const Eigen::Vector3d line = F * Eigen::Vector3d(k.ux, k.uy, 1);
     const float inv_norm = static_cast<float>(1 / line.head<2>().norm());
-    const float la = static_cast<float>(line.x()) * inv_norm, lb = static_cast<float>(line.y()) * inv_norm,
+    const float la = static_cast<float>(line.x()) * inv_norm,
+                lb = static_cast<float>(line.y()) * inv_norm,
                 lc = static_cast<float>(line.z()) * inv_norm;
     // The stretch of the line on which depths between nearest and farthest project.
     const Eigen::Vector3d ray = camera.normalize({k.ux, k.uy}).homogeneous();
-    const Eigen::Vector3d p_near = T_b_a * (ray * depths.nearest), p_far = T_b_a * (ray * depths.farthest);
+    const Eigen::Vector3d p_near = T_b_a * (ray * depths.nearest),
+                          p_far = T_b_a * (ray * depths.farthest);
     if (p_near.z() < kMinDepth || p_far.z() < kMinDepth) continue;
     const float s0 = static_cast<float>(Eigen::Vector2d(-lb, la).dot(camera.project(p_near)));
     const float s1 = static_cast<float>(Eigen::Vector2d(-lb, la).dot(camera.project(p_far)));
@@ -106,7 +109,8 @@ void PointCreator::matchAlongEpipolarLines(const Pair& pair, DepthRange depths) 
       const float d = la * f.u + lb * f.v + lc;
       const float s = -lb * f.u + la * f.v;
       if (d * d > f.gate || s < from || s > to) continue;
-      const int hamming = hammingDistance(a.features.descriptors[i], b.features.descriptors[f.feature]);
+      const int hamming =
+          hammingDistance(a.features.descriptors[i], b.features.descriptors[f.feature]);
       if (hamming >= best_distance) continue;
       best = f.feature;
       best_distance = hamming;
@@ -122,13 +126,15 @@ void PointCreator::matchAlongEpipolarLines(const Pair& pair, DepthRange depths) 
   }
 }
 
-bool PointCreator::accept(const Pair& pair, int feature_a, int feature_b, Eigen::Vector3d& world) const {
+bool PointCreator::accept(const Pair& pair, int feature_a, int feature_b,
+                          Eigen::Vector3d& world) const {
   const auto& [a, b, T_b_a, F] = pair;
   const Keypoint& ka = a.features.keypoints[feature_a];
   const Keypoint& kb = b.features.keypoints[feature_b];
   const Intrinsics& c = map_.intrinsics();
   const Eigen::Vector2d na = c.normalize({ka.ux, ka.uy}), nb = c.normalize({kb.ux, kb.uy});
-  if (rayParallaxCosine(a.T_camera_world, na, b.T_camera_world, nb) > settings_.max_parallax_cos) return false;
+  if (rayParallaxCosine(a.T_camera_world, na, b.T_camera_world, nb) > settings_.max_parallax_cos)
+    return false;
   if (!triangulate(a.T_camera_world, na, b.T_camera_world, nb, world)) return false;
 
   const Eigen::Vector3d pa = a.T_camera_world * world, pb = b.T_camera_world * world;

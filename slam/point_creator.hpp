@@ -5,15 +5,16 @@
 
 namespace depthscope::slam {
 
-/// Triangulates new map points between a keyframe and its neighbours from features that no point explains yet,
-/// matched along epipolar lines (Mur-Artal et al. 2015, section VI.C).
+/// Triangulates new map points between a keyframe and its neighbours from features that no point
+/// explains yet, matched along epipolar lines (Mur-Artal et al. 2015, section VI.C).
 class PointCreator {
  public:
   PointCreator(const SlamSettings& settings, Map& map);
 
-  /// Tries all pairs of `keyframe` with `neighbours`; appends the new points to `created` (up to its capacity).
-  /// Locks the map's mutex only to write.
-  void create(KeyframeId keyframe, std::span<const KeyframeId> neighbours, std::vector<PointRef>& created);
+  /// Tries all pairs of `keyframe` with `neighbours`; appends the new points to `created` (up to
+  /// its capacity). Locks the map's mutex only to write.
+  void create(KeyframeId keyframe, std::span<const KeyframeId> neighbours,
+              std::vector<PointRef>& created);
 
  private:
   /// A free feature of the neighbour, with what the search looks at side by side.
@@ -26,7 +27,8 @@ class PointCreator {
   };
   struct Pair;
 
-  void createWith(KeyframeId keyframe, KeyframeId neighbour, DepthRange depths, std::vector<PointRef>& created);
+  void createWith(KeyframeId keyframe, KeyframeId neighbour, DepthRange depths,
+                  std::vector<PointRef>& created);
   void matchAlongEpipolarLines(const Pair& pair, DepthRange depths);
   bool accept(const Pair& pair, int feature_a, int feature_b, Eigen::Vector3d& world) const;
   DepthRange depthRange(KeyframeId keyframe);

@@ -5,11 +5,12 @@
 namespace depthscope::slam {
 
 namespace {
-constexpr float kFuseRadiusPx = 3;     // at level 0
+constexpr float kFuseRadiusPx = 3;        // at level 0
 constexpr double kMaxViewAngleCos = 0.5;  // 60 degrees from the mean viewing direction
 }  // namespace
 
-PointFuser::PointFuser(const SlamSettings& settings, Map& map) : settings_(settings.matching), map_(map) {
+PointFuser::PointFuser(const SlamSettings& settings, Map& map)
+    : settings_(settings.matching), map_(map) {
   points_.reserve(settings.capacity.local_points);
   stamp_.resize(settings.capacity.map_points, 0);
   candidates_.resize(settings.extractor.features);
@@ -25,7 +26,8 @@ void PointFuser::fuse(KeyframeId keyframe, std::span<const KeyframeId> neighbour
   points_.clear();
   for (const KeyframeId n : neighbours) {
     for (const PointId p : map_.keyframe(n).points) {
-      if (p == kNone || stamp_[p] == current_stamp_ || points_.size() == points_.capacity()) continue;
+      if (p == kNone || stamp_[p] == current_stamp_ || points_.size() == points_.capacity())
+        continue;
       stamp_[p] = current_stamp_;
       points_.push_back(p);
     }
@@ -63,10 +65,10 @@ int PointFuser::findFeature(const Keyframe& target, const MapPoint& point) {
   if (direction.dot(point.normal) < kMaxViewAngleCos) return kNone;
 
   const Eigen::Vector2d px = map_.intrinsics().project(p);
-  const int level = map_.predictLevel(point, distance);
+  const int level = map_.predictLevel(point.max_distance, distance);
   const float radius = kFuseRadiusPx * map_.scaleOf(level);
-  const int n = target.features.grid.query(static_cast<float>(px.x()), static_cast<float>(px.y()), radius,
-                                           level - 1, level, candidates_);
+  const int n = target.features.grid.query(static_cast<float>(px.x()), static_cast<float>(px.y()),
+                                           radius, level - 1, level, candidates_);
   int best = kNone, best_distance = settings_.hamming_strict + 1;
   for (int c = 0; c < n; ++c) {
     const int f = static_cast<int>(candidates_[c]);

@@ -7,13 +7,14 @@
 
 namespace depthscope::slam {
 
-/// Finds map points that are the same piece of tissue and makes them one, and finds further observations of
-/// points in keyframes that missed them.
+/// Finds map points that are the same piece of tissue and makes them one, and finds further
+/// observations of points in keyframes that missed them.
 class PointFuser {
  public:
   PointFuser(const SlamSettings& settings, Map& map);
 
-  /// Projects the points of `keyframe` into every neighbour and theirs into it. Locks the map's mutex to write.
+  /// Projects the points of `keyframe` into every neighbour and theirs into it. Locks the map's
+  /// mutex to write.
   void fuse(KeyframeId keyframe, std::span<const KeyframeId> neighbours);
 
  private:
@@ -22,7 +23,7 @@ class PointFuser {
 
   MatchingSettings settings_;
   Map& map_;
-  std::vector<PointId> points_;            // of the neighbours, each once
+  std::vector<PointId> points_;  // of the neighbours, each once
   std::vector<std::int64_t> stamp_;
   std::int64_t current_stamp_ = 0;
   std::vector<std::uint32_t> candidates_;

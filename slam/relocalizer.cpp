@@ -41,7 +41,8 @@ bool Relocalizer::relocalize(const Map& map, const FeatureSet& features, Pose& T
 bool Relocalizer::tryKeyframe(const Map& map, const Keyframe& keyframe, const FeatureSet& features,
                               Pose& T_camera_world, std::span<PointRef> points) {
   for (int f = 0; f < keyframe.features.size(); ++f) wanted_[f] = keyframe.points[f] != kNone;
-  const int n = matcher_.matchByDescriptor(keyframe.features, wanted_, features, settings_.hamming_strict, kRatio, matches_);
+  const int n = matcher_.matchByDescriptor(keyframe.features, wanted_, features,
+                                           settings_.hamming_strict, kRatio, matches_);
   if (n < kMinMatches) return false;
 
   observations_.clear();
@@ -51,7 +52,8 @@ bool Relocalizer::tryKeyframe(const Map& map, const Keyframe& keyframe, const Fe
     if (matches_[f] < 0) continue;
     const Keypoint& k = features.keypoints[matches_[f]];
     const PointId p = keyframe.points[f];
-    observations_.push_back({map.point(p).position, {k.ux, k.uy}, 1 / (k.sigma * k.sigma), 1, true});
+    observations_.push_back(
+        {map.point(p).position, {k.ux, k.uy}, 1 / (k.sigma * k.sigma), 1, true});
     feature_of_observation_.push_back(matches_[f]);
     point_of_observation_.push_back(map.ref(p));
   }

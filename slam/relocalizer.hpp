@@ -7,26 +7,29 @@
 
 namespace depthscope::slam {
 
-/// Finds the camera in the map without knowing where it was: matches the picture's descriptors with those of one keyframe
-/// after another, and solves for the pose by P3P in RANSAC (Mur-Artal et al. 2015, section V.C).
+/// Finds the camera in the map without knowing where it was: matches the picture's descriptors with
+/// those of one keyframe after another, and solves for the pose by P3P in RANSAC (Mur-Artal et al.
+/// 2015, section V.C).
 class Relocalizer {
  public:
   Relocalizer(const SlamSettings& settings, const CameraModel& camera);
 
-  /// Tries a bounded number of keyframes, going on where the last call stopped. True with a pose, and in `points` (one
-  /// per feature) the map points it rests on. The caller verifies it against the local map. Map mutex held.
-  bool relocalize(const Map& map, const FeatureSet& features, Pose& T_camera_world, std::span<PointRef> points);
+  /// Tries a bounded number of keyframes, going on where the last call stopped. True with a pose,
+  /// and in `points` (one per feature) the map points it rests on. The caller verifies it against
+  /// the local map. Map mutex held.
+  bool relocalize(const Map& map, const FeatureSet& features, Pose& T_camera_world,
+                  std::span<PointRef> points);
 
  private:
-  bool tryKeyframe(const Map& map, const Keyframe& keyframe, const FeatureSet& features, Pose& T_camera_world,
-                   std::span<PointRef> points);
+  bool tryKeyframe(const Map& map, const Keyframe& keyframe, const FeatureSet& features,
+                   Pose& T_camera_world, std::span<PointRef> points);
 
   MatchingSettings settings_;
   Intrinsics camera_;
   Matcher matcher_;
   PnpSolver pnp_;
-  std::vector<std::uint8_t> wanted_;         // per keyframe feature: sees a point
-  std::vector<int> matches_;                 // per keyframe feature
+  std::vector<std::uint8_t> wanted_;  // per keyframe feature: sees a point
+  std::vector<int> matches_;          // per keyframe feature
   std::vector<PoseObservation> observations_;
   std::vector<int> feature_of_observation_;
   std::vector<PointRef> point_of_observation_;

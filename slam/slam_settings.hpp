@@ -5,11 +5,11 @@ namespace depthscope::slam {
 
 /// Feature extraction (slam/orb_extractor).
 struct ExtractorSettings {
-  int features = 1000;             // kept per frame, over all levels
-  int levels = 8;                  // pyramid levels
-  double scale_factor = 1.2;       // between levels
-  int fast_threshold = 20;         // [grey levels], first try in each cell
-  int fast_threshold_min = 7;      // [grey levels], where the first finds nothing
+  int features = 1000;         // kept per frame, over all levels
+  int levels = 8;              // pyramid levels
+  double scale_factor = 1.2;   // between levels
+  int fast_threshold = 20;     // [grey levels], first try in each cell
+  int fast_threshold_min = 7;  // [grey levels], where the first finds nothing
   // Luma of towers is mostly 16..235 (BT.601 and 709), and comes as it is.
   int specular_threshold = 230;    // [grey levels], at or above: saturated, not tissue
   double specular_contrast = 1.4;  // times the brightness of the tissue around: a highlight
@@ -26,45 +26,47 @@ struct CapacitySettings {
 
 /// Descriptor matching (slam/matcher). Hamming distances are out of 256 bits.
 struct MatchingSettings {
-  double search_region = 1.0;      // factor on all search radii; 1.5 (paper)
-  double motion_radius_px = 15;    // at level 0, around the predicted position, tracking from the last frame
-  double map_radius_px = 4;        // at level 0, around a projected map point
-  int hamming_strict = 50;         // new points, relocalization; 0.8 * 50 = 40 (paper)
-  int hamming_loose = 100;         // guided by a pose; 0.8 * 100 = 80 (paper)
-  double ratio = 0.9;              // best over second best, same level
+  double search_region = 1.0;  // factor on all search radii; 1.5 (paper)
+  double motion_radius_px =
+      15;  // at level 0, around the predicted position, tracking from the last frame
+  double map_radius_px = 4;  // at level 0, around a projected map point
+  int hamming_strict = 50;   // new points, relocalization; 0.8 * 50 = 40 (paper)
+  int hamming_loose = 100;   // guided by a pose; 0.8 * 100 = 80 (paper)
+  double ratio = 0.9;        // best over second best, same level
 };
 
 /// Two-view initialization (slam/map_initializer).
 struct InitializerSettings {
   int min_matches = 100;
-  double search_radius_px = 100;   // around the feature's position in the first picture
-  double min_parallax_deg = 1.0;   // median over the new points; 5 * 1.0 (paper)
+  double search_radius_px = 100;  // around the feature's position in the first picture
+  double min_parallax_deg = 1.0;  // median over the new points; 5 * 1.0 (paper)
   int min_points = 50;
 };
 
 /// Tracking (slam/tracker).
 struct TrackerSettings {
-  int min_motion_inliers = 10;     // fewer from the motion model: try the reference keyframe
-  int min_inliers = 30;            // fewer in the local map: lost
+  int min_motion_inliers = 10;  // fewer from the motion model: try the reference keyframe
+  int min_inliers = 30;         // fewer in the local map: lost
   int min_inliers_relocalized = 50;
-  int local_keyframes = 40;        // that a frame's local map is made from
-  double keyframe_ratio = 0.9;     // new keyframe when fewer than this share of the reference's points is tracked
-  double max_keyframe_gap_s = 1.0; // new keyframe after this time at the latest, if the mapper is idle
+  int local_keyframes = 40;  // that a frame's local map is made from
+  double keyframe_ratio =
+      0.9;  // new keyframe when fewer than this share of the reference's points is tracked
 };
 
 /// Mapping (slam/mapper).
 struct MapperSettings {
-  int neighbours = 10;                   // keyframes to triangulate with
-  double max_parallax_cos = 0.9998;      // rays closer than this (1.15 deg) make no point
-  double triangulation_chi2 = 5.991;     // squared reprojection error over variance; a tenth of it (paper)
-  int window_keyframes = 15;             // free in local bundle adjustment
-  int window_fixed = 20;                 // fixed around them
-  int iterations = 6;                    // of local bundle adjustment
-  double redundancy = 0.9;               // share of points seen elsewhere that makes a keyframe redundant
+  int neighbours = 10;               // keyframes to triangulate with
+  double max_parallax_cos = 0.9998;  // rays closer than this (1.15 deg) make no point
+  double triangulation_chi2 =
+      5.991;                  // squared reprojection error over variance; a tenth of it (paper)
+  int window_keyframes = 15;  // free in local bundle adjustment
+  int window_fixed = 20;      // fixed around them
+  int iterations = 12;        // of local bundle adjustment
+  double redundancy = 0.9;    // share of points seen elsewhere that makes a keyframe redundant
 };
 
-/// Everything tunable in the tracker and mapper, defaults in place. Values marked (paper) are those of
-/// Chen et al. 2017, section 2, last paragraph.
+/// Everything tunable in the tracker and mapper, defaults in place. Values marked (paper) are those
+/// of Chen et al. 2017, section 2, last paragraph.
 struct SlamSettings {
   ExtractorSettings extractor;
   CapacitySettings capacity;
@@ -72,7 +74,8 @@ struct SlamSettings {
   InitializerSettings initializer;
   TrackerSettings tracker;
   MapperSettings mapper;
-  std::int64_t trajectory_frames = 0;  // frames whose poses are kept for correctedTrajectory(); 0: none
+  std::int64_t trajectory_frames =
+      0;  // frames whose poses are kept for correctedTrajectory(); 0: none
 };
 
 }  // namespace depthscope::slam

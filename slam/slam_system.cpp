@@ -32,13 +32,16 @@ SlamSystem::~SlamSystem() = default;
 PoseEstimate SlamSystem::track(const GrayView& image, std::int64_t frame, double timestamp_s) {
   const auto start = std::chrono::steady_clock::now();
   const PoseEstimate estimate = impl_->tracker.track(image, frame, timestamp_s);
-  impl_->times.track_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  impl_->times.track_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   impl_->times.extract_ms = impl_->tracker.lastExtractMs();
   impl_->times.map_ms = impl_->mapper.takeMapMs();
   return estimate;
 }
 
-StageTimes SlamSystem::lastTimes() const { return impl_->times; }
+StageTimes SlamSystem::lastTimes() const {
+  return impl_->times;
+}
 
 SlamStatistics SlamSystem::statistics() const {
   SlamStatistics s;
@@ -59,7 +62,8 @@ void SlamSystem::copyCloud(SparseCloud& out) const {
   out.points.clear();
   out.keyframes_T_camera_world.clear();
   for (KeyframeId k = 0; k < map.keyframeCapacity(); ++k)
-    if (map.keyframe(k).alive) out.keyframes_T_camera_world.push_back(map.keyframe(k).T_camera_world);
+    if (map.keyframe(k).alive)
+      out.keyframes_T_camera_world.push_back(map.keyframe(k).T_camera_world);
   for (PointId id = 0; id < map.pointEnd(); ++id) {
     const MapPoint& p = map.point(id);
     if (!p.alive) continue;
@@ -67,7 +71,9 @@ void SlamSystem::copyCloud(SparseCloud& out) const {
     for (const Observation& o : map.observations(id)) {
       const Keyframe& k = map.keyframe(o.keyframe);
       const Keypoint& kp = k.features.keypoints[o.feature];
-      squared += (map.intrinsics().project(k.T_camera_world * p.position) - Eigen::Vector2d(kp.ux, kp.uy)).squaredNorm();
+      squared +=
+          (map.intrinsics().project(k.T_camera_world * p.position) - Eigen::Vector2d(kp.ux, kp.uy))
+              .squaredNorm();
     }
     const int n = p.observation_count;
     out.points.push_back({p.position.cast<float>(), -p.normal.cast<float>(), n,
@@ -80,6 +86,8 @@ std::vector<StampedPose> SlamSystem::correctedTrajectory() const {
   return impl_->trajectory.corrected(impl_->map);
 }
 
-void SlamSystem::reset() { impl_->tracker.reset(); }
+void SlamSystem::reset() {
+  impl_->tracker.reset();
+}
 
 }  // namespace depthscope::slam

@@ -12,12 +12,12 @@
 
 namespace depthscope::slam {
 
-/// Who runs the mapper: the caller of track(), before it returns (same input, same output), or a thread
-/// of its own (live).
+/// Who runs the mapper: the caller of track(), before it returns (same input, same output), or a
+/// thread of its own (live).
 enum class MappingMode { Lockstep, Threaded };
 
-/// Milliseconds the last call of track() spent; `map_ms` is the mapper's work for the last keyframe, and
-/// is negative when no keyframe was processed since the call before.
+/// Milliseconds the last call of track() spent; `map_ms` is the mapper's work for the last
+/// keyframe, and is negative when no keyframe was processed since the call before.
 struct StageTimes {
   double extract_ms = 0;
   double track_ms = 0;  // whole of tracking, extraction included, mapping excluded
@@ -27,7 +27,7 @@ struct StageTimes {
 struct SlamStatistics {
   int keyframes = 0;
   int map_points = 0;
-  int maps = 0;             // maps started so far
+  int maps = 0;  // maps started so far
   int lost_events = 0;
   int relocalizations = 0;
   int loops_closed = 0;
@@ -40,8 +40,8 @@ struct StampedPose {
   Pose T_world_camera;
 };
 
-/// Monocular ORB SLAM in fixed memory: all storage is allocated by the constructor. track() is called
-/// from one thread; the const functions may be called from others at the same time.
+/// Monocular ORB SLAM in fixed memory: all storage is allocated by the constructor. track() is
+/// called from one thread; the const functions may be called from others at the same time.
 class SlamSystem {
  public:
   /// `camera.width/height` is the size of the pictures that track() will get.
@@ -55,8 +55,8 @@ class SlamSystem {
   SlamStatistics statistics() const;
   /// Copies points and keyframe poses of the active map into `out`, whose capacity is reused.
   void copyCloud(SparseCloud& out) const;
-  /// Poses of the last `trajectory_frames` tracked frames of the active map, as corrected by everything
-  /// learnt since, in order of time.
+  /// Poses of the last `trajectory_frames` tracked frames of the active map, as corrected by
+  /// everything learnt since, in order of time.
   std::vector<StampedPose> correctedTrajectory() const;
   /// Forgets everything and starts over.
   void reset();

@@ -4,7 +4,8 @@
 
 namespace depthscope::slam {
 
-void Trajectory::add(std::int64_t frame, double timestamp_s, KeyframeId reference, const Pose& T_camera_reference) {
+void Trajectory::add(std::int64_t frame, double timestamp_s, KeyframeId reference,
+                     const Pose& T_camera_reference) {
   if (records_.empty()) return;
   records_[next_] = {frame, timestamp_s, reference, T_camera_reference};
   next_ = (next_ + 1) % records_.size();
@@ -12,7 +13,8 @@ void Trajectory::add(std::int64_t frame, double timestamp_s, KeyframeId referenc
 }
 
 void Trajectory::rebase(const Map& map, KeyframeId from, KeyframeId to) {
-  const Pose T_from_to = map.keyframe(from).T_camera_world * map.keyframe(to).T_camera_world.inverse();
+  const Pose T_from_to =
+      map.keyframe(from).T_camera_world * map.keyframe(to).T_camera_world.inverse();
   for (std::size_t i = 0; i < count_; ++i) {
     if (records_[i].reference != from) continue;
     records_[i].T_camera_reference = records_[i].T_camera_reference * T_from_to;

@@ -6,13 +6,16 @@
 
 namespace depthscope::slam {
 
-/// Poses of tracked frames relative to keyframes, so that they follow every later correction of the map.
-/// A ring of fixed capacity. Guarded by the map's mutex.
+/// Poses of tracked frames relative to keyframes, so that they follow every later correction of the
+/// map. A ring of fixed capacity. Guarded by the map's mutex.
 class Trajectory {
  public:
-  explicit Trajectory(std::int64_t capacity) { records_.resize(static_cast<std::size_t>(capacity)); }
+  explicit Trajectory(std::int64_t capacity) {
+    records_.resize(static_cast<std::size_t>(capacity));
+  }
 
-  void add(std::int64_t frame, double timestamp_s, KeyframeId reference, const Pose& T_camera_reference);
+  void add(std::int64_t frame, double timestamp_s, KeyframeId reference,
+           const Pose& T_camera_reference);
   /// Records that hang on keyframe `from` hang on `to` afterwards; call before `from` is removed.
   void rebase(const Map& map, KeyframeId from, KeyframeId to);
   void clear() { count_ = next_ = 0; }

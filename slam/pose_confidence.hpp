@@ -1,0 +1,36 @@
+#pragma once
+#include <algorithm>
+#include <array>
+
+#include "slam/pose_tracker.hpp"
+
+namespace depthscope::slam {
+
+/// Trust in the pose of a tracked frame, 0..1: whether there are inliers enough, times how far they
+/// spread. Inliers that crowd into a corner say little about the rest of the picture, so the cells
+/// of a 4 x 4 grid that hold some are counted, of those that hold features at all.
+inline float poseConfidence(const TrackedFrame& frame, int inliers, int comfortable_inliers,
+                            const CameraModel& camera) {
+  constexpr int kCells = 4, kMinFeatures = 5, kMinInliers = 2;
+  std::array<int, kCells * kCells> features{}, found{};
+  for (int f = 0; f < frame.features.size(); ++f) {
+    const Keypoint& k = frame.features.keypoints[f];
+    const int row = std::clamp(static_cast<int>(k.y * kCells / static_cast<float>(camera.height)),
+                               0, kCells - 1);
+    const int column = std::clamp(static_cast<int>(k.x * kCells / static_cast<float>(camera.width)),
+                                  0, kCells - 1);
+    ++features[row * kCells + column];
+    found[row * kCells + column] += frame.points[f].id != kNone;
+  }
+  int textured = 0, covered = 0;
+  for (int c = 0; c < kCells * kCells; ++c) {
+    textured += features[c] >= kMinFeatures;
+    covered += features[c] >= kMinFeatures && found[c] >= kMinInliers;
+  }
+  const float spread =
+      textured == 0 ? 0.f : static_cast<float>(covered) / static_cast<float>(textured);
+  return spread *
+         std::min(1.f, static_cast<float>(inliers) / static_cast<float>(comfortable_inliers));
+}
+
+}  // namespace depthscope::slam

@@ -1,0 +1,70 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "slam/local_map.hpp"
+#include "slam/matcher.hpp"
+#include "slam/pose_optimizer.hpp"
+#include "types/camera_model.hpp"
+
+namespace depthscope::slam {
+
+/// A picture on its way through the tracker.
+struct TrackedFrame {
+  TrackedFrame(int features_capacity, const CameraModel& camera)
+      : features(features_capacity, camera), points(features_capacity) {}
+
+  FeatureSet features;
+  std::vector<PointRef> points;  // per feature: the map point it was recognised as
+  Pose T_camera_world;
+  std::int64_t frame = -1;
+  double timestamp_s = 0;
+  bool tracked = false;
+};
+
+/// Finds the pose of a frame from map points recognised in it, in the ways a tracker needs
+/// (Mur-Artal et al. 2015, sections V.B to V.D). Each method leaves in the frame its pose and the
+/// points that agree with it, and returns their number, 0 when there is no pose. Takes the map's
+/// mutex for as long as it copies.
+class PoseTracker {
+ public:
+  PoseTracker(const CameraModel& camera, const SlamSettings& settings, Map& map);
+
+  /// Looks for the points of `last` where the pose in `frame` predicts them.
+  int trackLastFrame(const TrackedFrame& last, TrackedFrame& frame);
+  /// Looks for the points of a keyframe by descriptor alone; starts from the pose in `frame`.
+  int trackKeyframe(KeyframeId keyframe, TrackedFrame& frame);
+  /// Looks for all points of the map around, given a frame that has some points and a pose already.
+  int trackLocalMap(TrackedFrame& frame);
+
+  /// The keyframe that shares most points with the frame trackLocalMap() was called for; kNone when
+  /// none does.
+  KeyframeId reference() const { return local_map_.reference(); }
+  /// Collects the local map of a frame afresh, for reference(). Map mutex held.
+  void collectLocalMap(const TrackedFrame& frame) { local_map_.collect(map_, frame.points); }
+
+ private:
+  int matchLastFrame(const TrackedFrame& last, double radius_px, TrackedFrame& frame);
+  void projectLastFrame(const TrackedFrame& last, double radius_px, const Pose& T_camera_world);
+  void projectLocalMap(const Pose& T_camera_world);
+  void lookUpPositions(const TrackedFrame& frame);
+  int optimize(TrackedFrame& frame);
+  void countSightings(const TrackedFrame& frame);
+
+  SlamSettings settings_;
+  CameraModel camera_;
+  Intrinsics intrinsics_;
+  Map& map_;
+  LocalMap local_map_;
+  Matcher matcher_;
+  std::vector<ProjectedPoint> projected_;
+  std::vector<LocalPoint> last_points_;  // points of the last frame, copied
+  std::vector<PointRef> visible_;        // local points that were predicted into the picture
+  std::vector<PoseObservation> observations_;
+  std::vector<int> feature_of_observation_;
+  std::vector<int> matches_;               // per feature
+  std::vector<Eigen::Vector3d> position_;  // per feature, of its map point
+  std::vector<std::uint8_t> wanted_;       // per keyframe feature
+};
+
+}  // namespace depthscope::slam

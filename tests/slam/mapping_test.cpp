@@ -1,0 +1,192 @@
+#include <gtest/gtest.h>
+
+#include "slam/local_bundle.hpp"
+#include "slam/map_culler.hpp"
+#include "slam/point_creator.hpp"
+#include "slam/point_fuser.hpp"
+#include "slam/relocalizer.hpp"
+#include "slam/trajectory.hpp"
+#include "tests/slam/synthetic_map.hpp"
+
+namespace depthscope::slam {
+namespace {
+
+using namespace testing;
+
+/// Over the points that keyframe `seen_by` sees.
+double largestError(const MappedWorld& m, const World& world, KeyframeId seen_by) {
+  double worst = 0;
+  for (std::size_t i = 0; i < world.points.size(); ++i)
+    if (m.point_of[i] != kNone && m.map.isObservedBy(m.point_of[i], seen_by))
+      worst = std::max(worst, (m.map.point(m.point_of[i]).position - world.points[i]).norm());
+  return worst;
+}
+
+TEST(PointCreator, TriangulatesWhatNoPointExplainsYet) {
+  const World world(300);
+  MappedWorld m(smallSettings(), world, sidewaysPoses(3, 0.5));
+  int removed = 0;
+  for (std::size_t i = 0; i < world.points.size(); i += 3)
+    if (m.point_of[i] != kNone) m.map.removePoint(m.point_of[i]), ++removed;
+  PointCreator creator(smallSettings(), m.map);
+  std::vector<PointRef> created;
+  created.reserve(1000);
+  creator.create(m.keyframes[1], std::vector<KeyframeId>{m.keyframes[0], m.keyframes[2]}, created);
+  EXPECT_GT(static_cast<int>(created.size()), removed * 9 / 10);
+  for (const PointRef& r : created) {
+    double nearest = 1e9;
+    for (const auto& p : world.points)
+      nearest = std::min(nearest, (p - m.map.point(r.id).position).norm());
+    EXPECT_LT(nearest, 1e-3);
+  }
+}
+
+TEST(PointCreator, MakesNothingWithoutBaseline) {
+  const World world(300);
+  MappedWorld m(smallSettings(), world, sidewaysPoses(3, 0.001));
+  for (std::size_t i = 0; i < world.points.size(); i += 3)
+    if (m.point_of[i] != kNone) m.map.removePoint(m.point_of[i]);
+  PointCreator creator(smallSettings(), m.map);
+  std::vector<PointRef> created;
+  created.reserve(1000);
+  creator.create(m.keyframes[1], std::vector<KeyframeId>{m.keyframes[0], m.keyframes[2]}, created);
+  EXPECT_TRUE(created.empty());
+}
+
+TEST(PointFuser, MakesDoublesOne) {
+  const World world(200);
+  MappedWorld m(smallSettings(), world, sidewaysPoses(4));
+  // Point 0 twice: keyframes 0 and 1 see one of them, 2 and 3 the other.
+  const PointId p = m.point_of[10];
+  ASSERT_EQ(m.map.observations(p).size(), 4u);
+  const Observation c = m.map.observations(p)[2], d = m.map.observations(p)[3];
+  m.map.unobserve(p, c.keyframe);
+  m.map.unobserve(p, d.keyframe);
+  const PointId twin = m.map.addPoint(m.map.point(p).position + Eigen::Vector3d(1e-3, 0, 0), 1);
+  m.map.observe(twin, c.keyframe, c.feature);
+  m.map.observe(twin, d.keyframe, d.feature);
+  m.map.refreshPoint(twin);
+  const int before = m.map.pointCount();
+  PointFuser fuser(smallSettings(), m.map);
+  fuser.fuse(m.keyframes[3],
+             std::vector<KeyframeId>{m.keyframes[0], m.keyframes[1], m.keyframes[2]});
+  EXPECT_EQ(m.map.pointCount(), before - 1);
+  EXPECT_EQ(
+      m.map.keyframe(c.keyframe).points[c.feature],
+      m.map.keyframe(m.keyframes[0])
+          .points[m.map.observations(m.map.keyframe(c.keyframe).points[c.feature])[0].feature]);
+}
+
+TEST(LocalBundle, BringsADisturbedMapBack) {
+  const World world(300);
+  const auto poses = sidewaysPoses(6);
+  MappedWorld m(smallSettings(), world, poses);
+  std::mt19937 rng(5);
+  const auto shake = [&](double size) {
+    return Eigen::Vector3d(uniform(rng, -size, size), uniform(rng, -size, size),
+                           uniform(rng, -size, size));
+  };
+  for (PointId p = 0; p < m.map.pointEnd(); ++p) m.map.point(p).position += shake(0.05);
+  std::vector<KeyframeId> window(m.keyframes.begin() + 2, m.keyframes.end());
+  for (const KeyframeId k : window)
+    m.map.keyframe(k).T_camera_world =
+        m.map.keyframe(k).T_camera_world.retract(shake(0.01), shake(0.01));
+  LocalBundle bundle(smallSettings(), m.map);
+  bundle.adjust(window, 30, nullptr);
+  EXPECT_LT(largestError(m, world, m.keyframes[3]), 2e-3);  // features are stored in single precision
+  for (std::size_t i = 2; i < poses.size(); ++i)
+    EXPECT_LT((m.map.keyframe(m.keyframes[i]).T_camera_world.t - poses[i].t).norm(), 1e-3);
+}
+
+TEST(LocalBundle, DropsAWrongObservationAndKeepsThePoint) {
+  const World world(300);
+  MappedWorld m(smallSettings(), world, sidewaysPoses(6));
+  const PointId p = m.point_of[20];
+  const Observation wrong = m.map.observations(p)[4];
+  m.map.keyframe(wrong.keyframe).features.keypoints[wrong.feature].ux += 25;
+  const std::size_t before = m.map.observations(p).size();
+  LocalBundle bundle(smallSettings(), m.map);
+  bundle.adjust(std::vector<KeyframeId>(m.keyframes.begin() + 2, m.keyframes.end()), 10, nullptr);
+  EXPECT_EQ(m.map.observations(p).size(), before - 1);
+  EXPECT_FALSE(m.map.isObservedBy(p, wrong.keyframe));
+  EXPECT_LT((m.map.point(p).position - world.points[20]).norm(), 1e-2);
+}
+
+TEST(MapCuller, DropsAKeyframeThatAddsNothingAndKeepsItsFrames) {
+  const World world(200);
+  MappedWorld m(smallSettings(), world, sidewaysPoses(6, 0.02));
+  Trajectory trajectory(10);
+  const Pose T_camera_keyframe = cameraAt({0.01, 0.02, 0}, {0, 0.01, 0});
+  trajectory.add(42, 1.4, m.keyframes[2], T_camera_keyframe);
+  const Eigen::Vector3d before = trajectory.corrected(m.map).front().T_world_camera.t;
+  MapCuller culler(smallSettings(), m.map, trajectory);
+  culler.cullKeyframes(std::vector<KeyframeId>{m.keyframes[2]});
+  EXPECT_FALSE(m.map.keyframe(m.keyframes[2]).alive);
+  EXPECT_LT((trajectory.corrected(m.map).front().T_world_camera.t - before).norm(), 1e-12);
+}
+
+TEST(MapCuller, KeepsAKeyframeThatAloneSeesItsPoints) {
+  const World world(200);
+  MappedWorld m(smallSettings(), world, sidewaysPoses(4, 1.5));
+  Trajectory trajectory(0);
+  MapCuller culler(smallSettings(), m.map, trajectory);
+  culler.cullKeyframes(std::vector<KeyframeId>{m.keyframes[0]});
+  EXPECT_TRUE(m.map.keyframe(m.keyframes[0]).alive);
+}
+
+TEST(MapCuller, MakesRoomWhenEverySlotIsTaken) {
+  const World world(200);
+  const SlamSettings settings = smallSettings();
+  MappedWorld m(settings, world, sidewaysPoses(settings.capacity.keyframes, 0.05));
+  ASSERT_TRUE(m.map.keyframesFull());
+  Trajectory trajectory(0);
+  MapCuller culler(settings, m.map, trajectory);
+  culler.makeRoom(m.keyframes.back());
+  EXPECT_FALSE(m.map.keyframesFull());
+  EXPECT_TRUE(m.map.keyframe(m.keyframes.back()).alive);
+}
+
+TEST(MapCuller, DropsARecentPointThatIsSeldomFound) {
+  const World world(100);
+  MappedWorld m(smallSettings(), world, sidewaysPoses(4));
+  std::vector<PointRef> recent{m.map.ref(m.point_of[0]), m.map.ref(m.point_of[1])};
+  m.map.point(recent[0].id).visible = 20;
+  m.map.point(recent[0].id).found = 2;
+  m.map.point(recent[1].id).visible = 20;
+  m.map.point(recent[1].id).found = 15;
+  Trajectory trajectory(0);
+  MapCuller culler(smallSettings(), m.map, trajectory);
+  culler.cullRecentPoints(recent, 1);
+  EXPECT_EQ(m.map.resolve(recent[0]), recent[0].id);  // the survivor moved to the front
+  EXPECT_EQ(recent.size(), 1u);
+  EXPECT_EQ(recent[0].id, m.point_of[1]);
+  EXPECT_FALSE(m.map.point(m.point_of[0]).alive);
+}
+
+TEST(Relocalizer, FindsTheCameraFromDescriptorsAlone) {
+  const World world(300);
+  MappedWorld m(smallSettings(), world, sidewaysPoses(5));
+  const Pose truth = cameraAt({0.7, 0.1, 0.3}, {0.02, -0.05, 0.1});
+  std::vector<int> ids;
+  const FeatureSet features = world.view(truth, ids, 0.5);
+  Relocalizer relocalizer(smallSettings(), testCameraModel());
+  Pose found;
+  std::vector<PointRef> points(400);
+  ASSERT_TRUE(relocalizer.relocalize(m.map, features, found, points));
+  EXPECT_LT((found.inverse().t - truth.inverse().t).norm(), 0.02);
+  EXPECT_LT(rotationError(found, truth), 0.005);
+}
+
+TEST(Relocalizer, RefusesAPlaceThatIsNotInTheMap) {
+  const World world(300), elsewhere(300, 77);
+  MappedWorld m(smallSettings(), world, sidewaysPoses(5));
+  std::vector<int> ids;
+  const FeatureSet features = elsewhere.view(Pose{}, ids);
+  Relocalizer relocalizer(smallSettings(), testCameraModel());
+  Pose found;
+  std::vector<PointRef> points(400);
+  EXPECT_FALSE(relocalizer.relocalize(m.map, features, found, points));
+}
+
+}  // namespace
+}  // namespace depthscope::slam

@@ -1,0 +1,204 @@
+#include "slam/slam_system.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <opencv2/imgproc.hpp>
+
+#include "tests/slam/allocation_counter.hpp"
+#include "tests/slam/synthetic_map.hpp"
+
+namespace depthscope::slam {
+namespace {
+
+using namespace testing;
+
+/// A textured plane at z = 1 (world), tilted a little, as a camera sees it.
+class PlaneWorld {
+ public:
+  PlaneWorld() {
+    cv::RNG rng(4);
+    cv::Mat noise(220, 220, CV_8U);
+    rng.fill(noise, cv::RNG::UNIFORM, 30, 220);
+    cv::resize(noise, texture_, {1800, 1800}, 0, 0, cv::INTER_CUBIC);
+  }
+
+  cv::Mat view(const Pose& T_camera_world) const {
+    const CameraModel c = testCameraModel();
+    Eigen::Matrix3d K;
+    K << c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1;
+    // Texture pixel (u, v, 1) -> world point on the plane.
+    Eigen::Matrix3d plane;
+    const double s = 3.0 / 1800;
+    plane << s, 0, -1.5, 0, s, -1.5, 0.1 * s, 0.15 * s, 0.85;
+    const Eigen::Matrix3d H =
+        K * (T_camera_world.R * plane + T_camera_world.t * Eigen::RowVector3d(0, 0, 1));
+    cv::Mat Hcv(3, 3, CV_64F), image;
+    for (int i = 0; i < 9; ++i) Hcv.at<double>(i / 3, i % 3) = H(i / 3, i % 3);
+    cv::warpPerspective(texture_, image, Hcv, {c.width, c.height}, cv::INTER_LINEAR,
+                        cv::BORDER_CONSTANT, 100);
+    return image;
+  }
+
+ private:
+  cv::Mat texture_;
+};
+
+Pose poseAt(int frame) {
+  const double s = 0.008 * frame;
+  return cameraAt({s, 0.3 * s * s, 0.1 * std::sin(3 * s)}, {0.02 * s, -0.05 * s, 0.1 * s});
+}
+
+GrayView viewOf(const cv::Mat& m) {
+  return {m.data, m.cols, m.rows, static_cast<std::ptrdiff_t>(m.step)};
+}
+
+SlamSettings testSettings() {
+  SlamSettings s;
+  s.extractor.features = 600;
+  s.capacity.keyframes = 64;
+  s.capacity.map_points = 8000;
+  s.trajectory_frames = 200;
+  return s;
+}
+
+std::vector<PoseEstimate> run(SlamSystem& slam, const PlaneWorld& world, int from, int to) {
+  std::vector<PoseEstimate> estimates;
+  for (int i = from; i < to; ++i) {
+    const cv::Mat image = world.view(poseAt(i));
+    estimates.push_back(slam.track(viewOf(image), i, i / 30.0));
+  }
+  return estimates;
+}
+
+/// Largest distance between the true path and the estimated one, first scaled to the same length;
+/// both start at the same frame's camera.
+double pathError(const std::vector<PoseEstimate>& estimates) {
+  std::vector<Eigen::Vector3d> mine, truth;
+  Pose first_mine, first_truth;
+  for (const PoseEstimate& e : estimates) {
+    if (e.state != TrackingState::Tracking) continue;
+    const Pose t = poseAt(static_cast<int>(e.frame));
+    if (mine.empty()) {
+      first_mine = e.T_camera_world;
+      first_truth = t;
+    }
+    mine.push_back(first_mine * e.T_camera_world.inverse().t);
+    truth.push_back(first_truth * t.inverse().t);
+  }
+  double ab = 0, aa = 0, worst = 0;
+  for (std::size_t i = 0; i < mine.size(); ++i) {
+    ab += mine[i].dot(truth[i]);
+    aa += mine[i].squaredNorm();
+  }
+  for (std::size_t i = 0; i < mine.size(); ++i)
+    worst = std::max(worst, (ab / aa * mine[i] - truth[i]).norm());
+  return worst;
+}
+
+TEST(SlamSystem, FollowsACameraOverATexturedPlane) {
+  const PlaneWorld world;
+  SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);
+  const auto estimates = run(slam, world, 0, 60);
+  EXPECT_EQ(slam.statistics().maps, 1);
+  EXPECT_EQ(slam.statistics().lost_events, 0);
+  EXPECT_EQ(estimates.back().state, TrackingState::Tracking);
+  EXPECT_GT(estimates.back().confidence, 0.5f);
+  EXPECT_LT(pathError(estimates), 0.01);  // of a path of about half a unit, a unit from the plane
+  EXPECT_GT(slam.correctedTrajectory().size(), 50u);
+}
+
+TEST(SlamSystem, StartsNoMapWhileTheCameraStandsStill) {
+  const PlaneWorld world;
+  SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);
+  cv::RNG rng(1);
+  const cv::Mat still = world.view(poseAt(0));
+  for (int i = 0; i < 20; ++i) {
+    cv::Mat noise(still.size(), CV_8S), image;
+    rng.fill(noise, cv::RNG::NORMAL, 0, 3);
+    cv::add(still, noise, image, cv::noArray(), CV_8U);
+    EXPECT_EQ(slam.track(viewOf(image), i, i / 30.0).state, TrackingState::Initializing);
+  }
+  EXPECT_EQ(slam.statistics().maps, 0);
+}
+
+TEST(SlamSystem, StartsNoMapFromACameraThatOnlyTurns) {
+  const PlaneWorld world;
+  SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);
+  for (int i = 0; i < 20; ++i) {
+    const cv::Mat image = world.view(cameraAt({0, 0, 0}, {0, 0.01 * i, 0.005 * i}));
+    slam.track(viewOf(image), i, i / 30.0);
+  }
+  EXPECT_EQ(slam.statistics().maps, 0);
+}
+
+TEST(SlamSystem, IsLostInTheDarkAndFindsItsPlaceAgain) {
+  const PlaneWorld world;
+  SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);
+  run(slam, world, 0, 50);
+  ASSERT_GT(slam.statistics().keyframes, 5);
+  const cv::Mat dark(480, 640, CV_8U, cv::Scalar(0));
+  for (int i = 50; i < 60; ++i)
+    EXPECT_EQ(slam.track(viewOf(dark), i, i / 30.0).state, TrackingState::Lost);
+  const cv::Mat known = world.view(poseAt(30));
+  const PoseEstimate e = slam.track(viewOf(known), 60, 2.0);
+  EXPECT_EQ(e.state, TrackingState::Tracking);
+  EXPECT_EQ(slam.statistics().relocalizations, 1);
+  EXPECT_EQ(slam.statistics().maps, 1);
+}
+
+TEST(SlamSystem, TheSamePicturesGiveTheSameBits) {
+  const PlaneWorld world;
+  SlamSystem a(testCameraModel(), testSettings(), MappingMode::Lockstep);
+  SlamSystem b(testCameraModel(), testSettings(), MappingMode::Lockstep);
+  run(a, world, 0, 40);
+  run(b, world, 0, 40);
+  const auto ta = a.correctedTrajectory(), tb = b.correctedTrajectory();
+  ASSERT_EQ(ta.size(), tb.size());
+  for (std::size_t i = 0; i < ta.size(); ++i)
+    EXPECT_EQ(std::memcmp(&ta[i].T_world_camera, &tb[i].T_world_camera, sizeof(Pose)), 0);
+}
+
+TEST(SlamSystem, StaysWithinItsCapacityAndKeepsTracking) {
+  const PlaneWorld world;
+  SlamSettings settings = testSettings();
+  settings.capacity.keyframes = 8;
+  SlamSystem slam(testCameraModel(), settings, MappingMode::Lockstep);
+  const auto estimates = run(slam, world, 0, 80);
+  EXPECT_LE(slam.statistics().keyframes, 8);
+  EXPECT_EQ(estimates.back().state, TrackingState::Tracking);
+}
+
+TEST(SlamSystem, AllocatesNothingOnceItIsBuilt) {
+  const PlaneWorld world;
+  SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);
+  run(slam, world, 0, 10);
+  takeAllocationCount();
+  run(slam, world, 10, 60);
+  EXPECT_EQ(takeAllocationCount(), 0);
+}
+
+TEST(SlamSystem, MapsInAThreadOfItsOwn) {
+  const PlaneWorld world;
+  SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Threaded);
+  const auto estimates = run(slam, world, 0, 40);
+  EXPECT_EQ(estimates.back().state, TrackingState::Tracking);
+  SparseCloud cloud;
+  slam.copyCloud(cloud);
+  EXPECT_GT(cloud.points.size(), 100u);
+}
+
+TEST(SlamSystem, ResetForgetsTheMap) {
+  const PlaneWorld world;
+  SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);
+  run(slam, world, 0, 20);
+  slam.reset();
+  EXPECT_EQ(slam.statistics().keyframes, 0);
+  EXPECT_TRUE(slam.correctedTrajectory().empty());
+  const auto again = run(slam, world, 20, 40);
+  EXPECT_EQ(again.back().state, TrackingState::Tracking);
+  EXPECT_EQ(slam.statistics().maps, 2);
+}
+
+}  // namespace
+}  // namespace depthscope::slam

@@ -63,6 +63,14 @@ NormalEquations accumulate(const TwoViewMatches& m, std::span<const std::uint8_t
   return n;
 }
 
+double directionDeviation(const Matrix5d& H) {
+  const Eigen::LDLT<Matrix5d> ldlt(H);
+  const Matrix5d covariance = ldlt.solve(Matrix5d::Identity());
+  const double variance = covariance(3, 3) + covariance(4, 4);
+  const bool determined = ldlt.info() == Eigen::Success && ldlt.isPositive() && variance > 0;
+  return determined ? std::sqrt(variance) : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 double epipolarResidual(const Pose& T_second_first, const Eigen::Vector2d& first,
@@ -81,15 +89,15 @@ Eigen::Matrix<double, 1, 6> epipolarJacobian(const Pose& T_second_first,
   return J;
 }
 
-void refineEpipolarGeometry(const TwoViewMatches& matches, std::span<const std::uint8_t> selected,
-                            double sigma_px, int iterations, Pose& T_second_first) {
+double refineEpipolarGeometry(const TwoViewMatches& matches, std::span<const std::uint8_t> selected,
+                              double sigma_px, int iterations, Pose& T_second_first) {
   double lambda = 1e-6;
   NormalEquations n = accumulate(matches, selected, sigma_px, T_second_first);
   for (int i = 0; i < iterations; ++i) {
     Matrix5d damped = n.H;
     damped.diagonal() *= 1 + lambda;
     const Vector5d step = damped.ldlt().solve(n.b);
-    if (!step.allFinite()) return;
+    if (!step.allFinite()) break;
     const Pose candidate{
         expSO3(step.head<3>()) * T_second_first.R,
         (T_second_first.t + tangents(T_second_first.t) * step.tail<2>()).normalized()};
@@ -98,11 +106,12 @@ void refineEpipolarGeometry(const TwoViewMatches& matches, std::span<const std::
       T_second_first = candidate;
       n = next;
       lambda = std::max(lambda / 10, 1e-12);
-      if (step.norm() < kConvergedStep) return;
+      if (step.norm() < kConvergedStep) break;
     } else {
       lambda *= 10;
     }
   }
+  return directionDeviation(n.H);
 }
 
 }  // namespace depthscope::slam

@@ -20,8 +20,9 @@ Eigen::Matrix<double, 1, 6> epipolarJacobian(const Pose& T_second_first,
 
 /// Improves T_second_first, |t| = 1, to a minimum of Huber's cost of the Sampson errors (Hartley &
 /// Zisserman, section 11.4.3) of the matches that `selected` marks. Five unknowns and no points: it
-/// walks straight where bundle adjustment of two near views creeps along a valley.
-void refineEpipolarGeometry(const TwoViewMatches& matches, std::span<const std::uint8_t> selected,
-                            double sigma_px, int iterations, Pose& T_second_first);
+/// walks straight where bundle adjustment of two near views creeps along a valley. Returns the
+/// standard deviation of the direction of t [rad], infinite where the matches do not determine it.
+double refineEpipolarGeometry(const TwoViewMatches& matches, std::span<const std::uint8_t> selected,
+                              double sigma_px, int iterations, Pose& T_second_first);
 
 }  // namespace depthscope::slam

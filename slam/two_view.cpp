@@ -120,7 +120,7 @@ TwoViewResult::Refusal TwoViewInitializer::proposeMotions(TwoViewResult& result,
 TwoViewResult::Refusal TwoViewInitializer::chooseMotion(std::span<Hypothesis> contenders,
                                                         Pose& T_second_first) {
   for (Hypothesis& h : contenders) {
-    refineMotion(h.T_second_first);
+    h.direction_sigma_rad = refineMotion(h.T_second_first);
     h.cost = truncatedCost(h.T_second_first);
   }
   std::sort(contenders.begin(), contenders.end(),
@@ -131,6 +131,8 @@ TwoViewResult::Refusal TwoViewInitializer::chooseMotion(std::span<Hypothesis> co
     if (h.cost - best.cost < margin && !sameMotion(h.T_second_first, best.T_second_first))
       return Refusal::Ambiguous;
   }
+  if (best.direction_sigma_rad * kDegrees > settings_.max_direction_sigma_deg)
+    return Refusal::Uncertain;
   T_second_first = best.T_second_first;
   adjustBundle(T_second_first);
   return Refusal::None;
@@ -151,14 +153,17 @@ bool TwoViewInitializer::triangulateMatch(const Pose& T_second_first, int match,
 }
 
 /// Epipolar refinement over the matches that agree with the motion, which are then chosen again.
-void TwoViewInitializer::refineMotion(Pose& T_second_first) {
+/// Returns the standard deviation of the direction of translation [rad].
+double TwoViewInitializer::refineMotion(Pose& T_second_first) {
   Eigen::Vector3d point;
+  double direction_sigma_rad = 0;
   for (int round = 0; round < kRefinementRounds; ++round) {
     for (int i = 0; i < matches_.size(); ++i)
       selected_[i] = triangulateMatch(T_second_first, i, point);
-    refineEpipolarGeometry(matches_, selected_, settings_.sigma_px, kRefinementIterations,
-                           T_second_first);
+    direction_sigma_rad = refineEpipolarGeometry(matches_, selected_, settings_.sigma_px,
+                                                 kRefinementIterations, T_second_first);
   }
+  return direction_sigma_rad;
 }
 
 /// Bundle adjustment of the motion and the points of all matches that agree with it.

@@ -23,6 +23,8 @@ struct TwoViewSettings {
   double max_rotation_share = 0.6;  // of the inliers that a rotation alone explains as well
   double ambiguity_ratio =
       0.7;  // a motion that places this share of the points the best does competes
+  double max_direction_sigma_deg =
+      4;                        // of the translation, as the matches and sigma_px foretell it
   double min_kept_share = 0.7;  // of the model's inliers that must become points
 };
 
@@ -36,7 +38,8 @@ struct TwoViewResult {
     RotationOnly,  // includes a camera that stands still
     Ambiguous,     // two motions explain the matches about as well
     LowParallax,
-    PoorFit,  // too few of the inliers became points
+    Uncertain,  // the direction of the translation is hardly determined
+    PoorFit,    // too few of the inliers became points
   };
 
   Refusal refusal = Refusal::None;
@@ -70,6 +73,7 @@ class TwoViewInitializer {
     Pose T_second_first;
     int points = 0;   // in front of both cameras and reprojected within the noise
     double cost = 0;  // robust, [sigma^2], after refinement
+    double direction_sigma_rad = 0;
   };
 
   Refusal attempt(TwoViewResult& result);
@@ -78,7 +82,7 @@ class TwoViewInitializer {
   Refusal acceptPoints(const Pose& T_second_first, TwoViewResult& result);
   bool triangulateMatch(const Pose& T_second_first, int match, Eigen::Vector3d& point,
                         double* chi2 = nullptr) const;
-  void refineMotion(Pose& T_second_first);
+  double refineMotion(Pose& T_second_first);
   void adjustBundle(Pose& T_second_first);
   double truncatedCost(const Pose& T_second_first) const;
 

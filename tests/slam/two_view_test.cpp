@@ -160,6 +160,18 @@ TEST(TwoView, refusesTooLittleParallax) {
   EXPECT_EQ(r.refusal, Refusal::LowParallax);
 }
 
+TEST(TwoView, refusesAMotionWhoseDirectionIsHardlyDetermined) {
+  const auto points = planePoints(60, 1, kTilted, 5);
+  const Pose truth = cameraAt({0.2, 0.05, 0}, {0.01, -0.01, 0.02});
+  const Matches m = project(points, truth, 1, 0, 2);
+  TwoViewSettings settings;
+  settings.min_inliers = 30;
+  settings.max_rotation_share = 1;
+  TwoViewResult r;
+  EXPECT_FALSE(initializer(settings).reconstruct(m.first, m.second, r));
+  EXPECT_EQ(r.refusal, Refusal::Uncertain);
+}
+
 TEST(TwoView, refusesNonsenseAndTooFewMatches) {
   const auto points = volumePoints(kMatches, 1, 3, 7);
   TwoViewResult r;
@@ -304,9 +316,27 @@ TEST(EpipolarRefinement, comesBackToTheTruth) {
   matches.load(m.first, m.second);
   Pose pose = truth.retract({0.03, -0.02, 0.02}, {0.1, 0.05, -0.1});
   pose.t.normalize();
-  refineEpipolarGeometry(matches, m.correct, 1, 20, pose);
+  const double sigma = refineEpipolarGeometry(matches, m.correct, 1, 20, pose);
   EXPECT_LT(rotationError(pose, truth), 1e-5) << "pixels are rounded to float";
   EXPECT_LT((pose.t - truth.t).norm(), 1e-5);
+  EXPECT_GT(sigma, 0);
+  EXPECT_LT(sigma, 0.1);
+}
+
+TEST(EpipolarRefinement, foretellsTheSpreadOfTheDirection) {
+  Pose truth = cameraAt({0.5, -0.3, 0.2}, {0.05, -0.1, 0.1});
+  truth.t.normalize();
+  constexpr int kTrials = 200;
+  double sum = 0;
+  for (unsigned trial = 0; trial < kTrials; ++trial) {
+    const Matches m = project(volumePoints(100, trial, 3, 7), truth, 0.5, 0, trial + 1000);
+    TwoViewMatches matches(testCamera(), 100);
+    matches.load(m.first, m.second);
+    Pose pose = truth;
+    const double sigma = refineEpipolarGeometry(matches, m.correct, 0.5, 20, pose);
+    sum += (pose.t - truth.t).squaredNorm() / (sigma * sigma);
+  }
+  EXPECT_NEAR(sum / kTrials, 1, 0.3);
 }
 
 }  // namespace

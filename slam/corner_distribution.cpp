@@ -5,6 +5,13 @@
 #include <cmath>
 
 namespace depthscope::slam {
+namespace {
+
+// Corners to choose from, times the number wanted: the weakest of a rich level are noise, and even
+// spread is not worth them.
+constexpr int kSpare = 2;
+
+}  // namespace
 
 CornerDistribution::CornerDistribution(int width, int height, int capacity)
     : width_(width),
@@ -46,6 +53,7 @@ void CornerDistribution::reduce(int wanted, std::vector<Corner>& corners) {
     return;
   }
   sortByScore(corners);
+  sorted_.resize(std::min(sorted_.size(), static_cast<std::size_t>(kSpare) * wanted));
   // The widest spacing that still gives `wanted`: more corners come with less spacing.
   int enough = 0,
       too_wide =

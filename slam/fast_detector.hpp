@@ -14,13 +14,10 @@ struct Corner {
   std::uint8_t score = 0;     // [grey levels]
 };
 
-/// The FAST-9/16 score at one pixel: the largest s such that 9 contiguous pixels of the 16 around
-/// it (radius 3) are all brighter, or all darker, than the centre by at least s. The pixel is a
-/// corner at threshold t when the score is above t (Rosten & Drummond 2006). `centre` needs 3 px
-/// around it.
-int fastScore(const std::uint8_t* centre, std::ptrdiff_t stride);
-
-/// FAST-9/16 over one picture, vectorised over the pixels of a row.
+/// FAST-9/16 over one picture, vectorised over the pixels of a row. The score of a pixel is the
+/// largest s such that 9 contiguous pixels of the 16 around it (radius 3) are all brighter, or all
+/// darker, than it by at least s; it is a corner at threshold t when its score is above t (Rosten &
+/// Drummond 2006).
 class FastDetector {
  public:
   /// For pictures up to `width` wide.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slam/corner_refinement.hpp"
 #include "slam/orientation.hpp"
 
 namespace depthscope::slam {
@@ -28,7 +29,7 @@ OrbExtractor::OrbExtractor(const ExtractorSettings& settings, const CameraModel&
       pyramid_(camera.width, camera.height, settings.levels, settings.scale_factor),
       mask_(pyramid_, settings),
       detector_(camera.width),
-      blur_(camera.width),
+      smoothing_(camera.width),
       distribution_(camera.width, camera.height, maximaCapacity(pyramid_.level(0))),
       undistortion_(camera),
       corners_(settings.levels),
@@ -39,7 +40,8 @@ OrbExtractor::OrbExtractor(const ExtractorSettings& settings, const CameraModel&
     scale_factors_.push_back(static_cast<float>(scale));
     sigma2_.push_back(static_cast<float>(scale * scale));
     corners_[l].reserve(maximaCapacity(pyramid_.level(l)));
-    blurred_.emplace_back(pyramid_.level(l).width(), pyramid_.level(l).height());
+    smooth_.emplace_back(pyramid_.level(l).width(), pyramid_.level(l).height());
+    smoother_.emplace_back(pyramid_.level(l).width(), pyramid_.level(l).height());
   }
 }
 
@@ -60,7 +62,8 @@ void OrbExtractor::detectLevel(int l) {
   corners_[l].clear();
   const ImageBuffer& image = pyramid_.level(l);
   if (std::min(image.width(), image.height()) <= 2 * kMargin) return;
-  detector_.detect(image, settings_.fast_threshold_min, kMargin, path_, corners_[l]);
+  smoothing_(image, smooth_[l], path_);
+  detector_.detect(smooth_[l], settings_.fast_threshold_min, kMargin, path_, corners_[l]);
   std::erase_if(corners_[l], [&](const Corner& c) { return !isOnTissue(c, l); });
   keepStrongOfEachCell(l);
 }
@@ -109,24 +112,36 @@ void OrbExtractor::shareQuota() {
 void OrbExtractor::describeLevel(int l, FeatureSet& out) {
   if (wanted_[l] == 0) return;
   distribution_.reduce(wanted_[l], corners_[l]);
-  const ImageBuffer& image = pyramid_.level(l);
-  blur_(image, blurred_[l], path_);
-  const double scale = pyramid_.scale(l);
+  smoothing_(smooth_[l], smoother_[l], path_);
   for (const Corner& c : corners_[l]) {
-    Keypoint k;
-    k.x = static_cast<float>((c.x + 0.5) * scale - 0.5);
-    k.y = static_cast<float>((c.y + 0.5) * scale - 0.5);
-    const auto undistorted = undistortion_({k.x, k.y});
-    if (!undistorted) continue;
-    k.ux = static_cast<float>(undistorted->pixel.x());
-    k.uy = static_cast<float>(undistorted->pixel.y());
-    k.sigma = static_cast<float>(scale * undistorted->magnification);
-    k.angle = intensityCentroidAngle(image.row(c.y) + c.x, image.stride());
-    k.response = c.score;
-    k.octave = static_cast<std::uint8_t>(l);
-    out.keypoints.push_back(k);
-    out.descriptors.push_back(brief_(blurred_[l].row(c.y) + c.x, blurred_[l].stride(), k.angle));
+    const std::optional<Keypoint> keypoint = keypointAt(c, l);
+    if (!keypoint) continue;
+    out.keypoints.push_back(*keypoint);
+    out.descriptors.push_back(
+        brief_(smoother_[l].row(c.y) + c.x, smoother_[l].stride(), keypoint->angle));
   }
+}
+
+/// Nothing where the lens model cannot be undone.
+std::optional<Keypoint> OrbExtractor::keypointAt(const Corner& corner, int l) const {
+  const double scale = pyramid_.scale(l);
+  const ImageBuffer& image = smooth_[l];
+  const std::uint8_t* centre = image.row(corner.y) + corner.x;
+  const Eigen::Vector2d place =
+      Eigen::Vector2d(corner.x, corner.y) + refineCorner(centre, image.stride());
+  const Eigen::Vector2d captured = ((place.array() + 0.5) * scale - 0.5).matrix();
+  const auto undistorted = undistortion_(captured);
+  if (!undistorted) return std::nullopt;
+  Keypoint k;
+  k.x = static_cast<float>(captured.x());
+  k.y = static_cast<float>(captured.y());
+  k.ux = static_cast<float>(undistorted->pixel.x());
+  k.uy = static_cast<float>(undistorted->pixel.y());
+  k.sigma = static_cast<float>(scale * undistorted->magnification);
+  k.angle = intensityCentroidAngle(centre, image.stride());
+  k.response = corner.score;
+  k.octave = static_cast<std::uint8_t>(l);
+  return k;
 }
 
 }  // namespace depthscope::slam

@@ -1,12 +1,13 @@
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "slam/binomial_smoothing.hpp"
 #include "slam/brief_descriptor.hpp"
 #include "slam/corner_distribution.hpp"
 #include "slam/fast_detector.hpp"
 #include "slam/features.hpp"
-#include "slam/gaussian_blur.hpp"
 #include "slam/image_pyramid.hpp"
 #include "slam/picture_mask.hpp"
 #include "slam/simd_dispatch.hpp"
@@ -43,6 +44,7 @@ class OrbExtractor {
   void keepStrongOfEachCell(int l);
   void shareQuota();
   void describeLevel(int l, FeatureSet& out);
+  std::optional<Keypoint> keypointAt(const Corner& corner, int l) const;
 
   ExtractorSettings settings_;
   CameraModel camera_;
@@ -52,7 +54,7 @@ class OrbExtractor {
   ImagePyramid pyramid_;
   PictureMask mask_;
   FastDetector detector_;
-  GaussianBlur blur_;
+  BinomialSmoothing smoothing_;
   CornerDistribution distribution_;
   BriefDescriptor brief_;
   UndistortionMap undistortion_;
@@ -60,7 +62,8 @@ class OrbExtractor {
   std::vector<std::vector<Corner>> corners_;  // of each level
   std::vector<int> wanted_;                   // corners to keep of each level
   std::vector<std::uint8_t> cell_best_;       // best score in each cell of the level at work
-  std::vector<ImageBuffer> blurred_;          // of each level
+  std::vector<ImageBuffer> smooth_;           // each level smoothed once: corners are found here
+  std::vector<ImageBuffer> smoother_;  // each level smoothed twice: BRIEF compares pixels here
 };
 
 }  // namespace depthscope::slam

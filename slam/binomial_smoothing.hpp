@@ -7,17 +7,18 @@
 
 namespace depthscope::slam {
 
-/// Gaussian smoothing, 7x7, sigma 2 px, in fixed point; the border is repeated outwards. BRIEF
-/// compares single pixels, which only smoothing makes robust to noise (Calonder et al. 2010).
-class GaussianBlur {
+/// Smoothing with the 3x3 binomial kernel (1 2 1) x (1 2 1) / 16, which is a Gaussian of sigma 0.71
+/// px; twice is sigma 1, and so on. Each of its four averages rounds up. The border is repeated
+/// outwards.
+class BinomialSmoothing {
  public:
   /// For pictures up to `width` wide.
-  explicit GaussianBlur(int width);
+  explicit BinomialSmoothing(int width);
   /// `out` has the size of `source` and is not the same picture.
   void operator()(const ImageBuffer& source, ImageBuffer& out, SimdPath path);
 
  private:
-  std::vector<std::uint8_t> row_;  // one vertically smoothed row with kRadius pixels on each side
+  std::vector<std::uint8_t> row_;  // one vertically smoothed row
 };
 
 }  // namespace depthscope::slam

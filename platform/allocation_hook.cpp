@@ -1,5 +1,6 @@
 // Stands in front of glibc's allocator to count what real-time code allocates. The program's own
-// definitions of malloc and its kin take precedence over the C library's for every library it loads.
+// definitions of malloc and its kin take precedence over the C library's for every library it
+// loads.
 #include "platform/allocation_hook.hpp"
 
 #include <atomic>
@@ -14,7 +15,8 @@ namespace {
 std::atomic<std::uint64_t> counted_allocations{0};
 
 inline void count() {
-  if (depthscope::allocation_scope_depth > 0) counted_allocations.fetch_add(1, std::memory_order_relaxed);
+  if (depthscope::allocation_scope_depth > 0)
+    counted_allocations.fetch_add(1, std::memory_order_relaxed);
 }
 }  // namespace
 
@@ -55,13 +57,17 @@ int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
 }  // extern "C"
 
 namespace depthscope::platform {
-std::optional<std::uint64_t> countedAllocations() { return counted_allocations.load(std::memory_order_relaxed); }
+std::optional<std::uint64_t> countedAllocations() {
+  return counted_allocations.load(std::memory_order_relaxed);
+}
 }  // namespace depthscope::platform
 
 #else
 
 namespace depthscope::platform {
-std::optional<std::uint64_t> countedAllocations() { return std::nullopt; }
+std::optional<std::uint64_t> countedAllocations() {
+  return std::nullopt;
+}
 }  // namespace depthscope::platform
 
 #endif

@@ -6,16 +6,20 @@
 
 namespace depthscope::platform {
 
-bool Arguments::flag(std::string_view name) { return std::erase(words_, name) > 0; }
+bool Arguments::flag(std::string_view name) {
+  return std::erase(words_, name) > 0;
+}
 
 std::vector<std::string> Arguments::values(std::string_view name) {
   std::vector<std::string> found;
   for (auto word = words_.begin(); word != words_.end();) {
     if (*word == name) {
-      if (word + 1 == words_.end()) throw InputError(std::string(name) + ": expected a value after it");
+      if (word + 1 == words_.end())
+        throw InputError(std::string(name) + ": expected a value after it");
       found.push_back(word[1]);
       word = words_.erase(word, word + 2);
-    } else if (word->size() > name.size() && word->starts_with(name) && (*word)[name.size()] == '=') {
+    } else if (word->size() > name.size() && word->starts_with(name) &&
+               (*word)[name.size()] == '=') {
       found.push_back(word->substr(name.size() + 1));
       word = words_.erase(word);
     } else {
@@ -39,7 +43,8 @@ std::string Arguments::required(std::string_view name) {
 }
 
 std::string Arguments::positional(std::string_view what) {
-  const auto word = std::find_if(words_.begin(), words_.end(), [](const std::string& w) { return !w.starts_with("--"); });
+  const auto word = std::find_if(words_.begin(), words_.end(),
+                                 [](const std::string& w) { return !w.starts_with("--"); });
   if (word == words_.end()) throw InputError("expected " + std::string(what) + " (see --help)");
   std::string taken = std::move(*word);
   words_.erase(word);

@@ -15,7 +15,8 @@ class Arguments {
 
   /// Whether the flag is there.
   bool flag(std::string_view name);
-  /// The option's value, if it is there. Throws InputError when it is given twice or without a value.
+  /// The option's value, if it is there. Throws InputError when it is given twice or without a
+  /// value.
   std::optional<std::string> value(std::string_view name);
   /// The option's values, in order.
   std::vector<std::string> values(std::string_view name);

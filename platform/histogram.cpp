@@ -19,7 +19,8 @@ void Histogram::add(double ms) {
 
 double Histogram::percentile(double p) const {
   if (count_ == 0) return 0;
-  const auto rank = static_cast<std::uint64_t>(std::max(1.0, std::ceil(p * static_cast<double>(count_))));
+  const auto rank =
+      static_cast<std::uint64_t>(std::max(1.0, std::ceil(p * static_cast<double>(count_))));
   std::uint64_t seen = 0;
   for (int i = 0; i < bucket_count; ++i) {
     seen += buckets_[static_cast<std::size_t>(i)];

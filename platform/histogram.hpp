@@ -4,8 +4,8 @@
 
 namespace depthscope::platform {
 
-/// Durations in fixed memory: logarithmic buckets 2 % apart from 1 us to 20 min, so that a percentile
-/// is known to 1 %. Count and maximum are exact. add() does not allocate.
+/// Durations in fixed memory: logarithmic buckets 2 % apart from 1 us to 20 min, so that a
+/// percentile is known to 1 %. Count and maximum are exact. add() does not allocate.
 class Histogram {
  public:
   void add(double ms);

@@ -8,12 +8,14 @@ volatile std::sig_atomic_t caught = 0;
 }
 
 void catchInterrupts() {
-  struct sigaction action{};
+  struct sigaction action {};
   action.sa_handler = [](int) { caught = 1; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
 
-bool interrupted() { return caught != 0; }
+bool interrupted() {
+  return caught != 0;
+}
 
 }  // namespace depthscope::platform

@@ -21,6 +21,7 @@ LabelRequest parseLabelRequest(std::string_view argument);
 
 /// World point where the ray through `pixel` first meets the surface, or nothing.
 std::optional<Eigen::Vector3f> anchorOnSurface(const SurfaceMesh& mesh, const CameraModel& camera,
-                                               const Pose& T_camera_world, const Eigen::Vector2d& pixel);
+                                               const Pose& T_camera_world,
+                                               const Eigen::Vector2d& pixel);
 
 }  // namespace depthscope::platform

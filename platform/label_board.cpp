@@ -2,8 +2,10 @@
 
 namespace depthscope::platform {
 
-bool LabelBoard::anchorWaiting(const SurfaceMesh& mesh, const CameraModel& camera, const PoseEstimate& estimate) {
-  if (waiting_.empty() || mesh.empty() || estimate.state != TrackingState::Tracking || estimate.map_id != mesh.map_id)
+bool LabelBoard::anchorWaiting(const SurfaceMesh& mesh, const CameraModel& camera,
+                               const PoseEstimate& estimate) {
+  if (waiting_.empty() || mesh.empty() || estimate.state != TrackingState::Tracking ||
+      estimate.map_id != mesh.map_id)
     return false;
   const std::size_t before = labels_.size();
   std::erase_if(waiting_, [&](const LabelRequest& request) {

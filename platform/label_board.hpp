@@ -7,7 +7,8 @@
 
 namespace depthscope::platform {
 
-/// Labels asked for by their place in the picture, each anchored once, on the first surface that is there.
+/// Labels asked for by their place in the picture, each anchored once, on the first surface that is
+/// there.
 class LabelBoard {
  public:
   explicit LabelBoard(std::vector<LabelRequest> waiting) : waiting_(std::move(waiting)) {}
@@ -15,7 +16,8 @@ class LabelBoard {
   void request(LabelRequest label) { waiting_.push_back(std::move(label)); }
   /// Anchors what waits, if `estimate` tracks in the surface's map; what misses the surface goes on
   /// waiting. True when labels() changed.
-  bool anchorWaiting(const SurfaceMesh& mesh, const CameraModel& camera, const PoseEstimate& estimate);
+  bool anchorWaiting(const SurfaceMesh& mesh, const CameraModel& camera,
+                     const PoseEstimate& estimate);
   const std::vector<Label>& labels() const { return labels_; }
   void clear() {
     labels_.clear();

@@ -6,6 +6,8 @@ extern "C" {
 
 namespace depthscope::platform {
 
-void silenceLibraries() { av_log_set_level(AV_LOG_QUIET); }
+void silenceLibraries() {
+  av_log_set_level(AV_LOG_QUIET);
+}
 
 }  // namespace depthscope::platform

@@ -26,8 +26,8 @@ void appendValue(std::string& out, std::string_view text) {
 
 }  // namespace
 
-std::string formatLogLine(LogPriority priority, std::string_view message, std::initializer_list<LogField> fields,
-                          bool journal) {
+std::string formatLogLine(LogPriority priority, std::string_view message,
+                          std::initializer_list<LogField> fields, bool journal) {
   std::string line;
   if (journal) line = {'<', static_cast<char>('0' + static_cast<int>(priority)), '>'};
   appendPrintable(line, message);
@@ -41,7 +41,8 @@ std::string formatLogLine(LogPriority priority, std::string_view message, std::i
 }
 
 void log(LogPriority priority, std::string_view message, std::initializer_list<LogField> fields) {
-  static const bool journal = std::getenv("JOURNAL_STREAM") != nullptr;  // NOLINT(concurrency-mt-unsafe)
+  static const bool journal =
+      std::getenv("JOURNAL_STREAM") != nullptr;  // NOLINT(concurrency-mt-unsafe)
   std::string line = formatLogLine(priority, message, fields, journal);
   line += '\n';
   // A log that cannot be written must not stop the picture: the result is of no use.

@@ -19,8 +19,7 @@ struct LogField {
   LogField(std::string_view k, const char* v) : key(k), value(v) {}
   LogField(std::string_view k, const std::string& v) : key(k), value(v) {}
   template <class T>
-    requires std::is_arithmetic_v<T>
-  LogField(std::string_view k, T v) : key(k) {
+  requires std::is_arithmetic_v<T> LogField(std::string_view k, T v) : key(k) {
     if constexpr (std::is_same_v<T, bool>) {
       value = v ? "true" : "false";
     } else {
@@ -30,13 +29,14 @@ struct LogField {
   }
 };
 
-/// Writes one line to stderr: `message key=value ...`, in one write, so that lines of several threads do
-/// not mix; values with spaces are quoted, control characters replaced. Under the journal
-/// (JOURNAL_STREAM is set) the line starts with its priority as sd-daemon(3) defines it.
-void log(LogPriority priority, std::string_view message, std::initializer_list<LogField> fields = {});
+/// Writes one line to stderr: `message key=value ...`, in one write, so that lines of several
+/// threads do not mix; values with spaces are quoted, control characters replaced. Under the
+/// journal (JOURNAL_STREAM is set) the line starts with its priority as sd-daemon(3) defines it.
+void log(LogPriority priority, std::string_view message,
+         std::initializer_list<LogField> fields = {});
 
 /// The line that log() writes, without the newline.
-std::string formatLogLine(LogPriority priority, std::string_view message, std::initializer_list<LogField> fields,
-                          bool journal);
+std::string formatLogLine(LogPriority priority, std::string_view message,
+                          std::initializer_list<LogField> fields, bool journal);
 
 }  // namespace depthscope::platform

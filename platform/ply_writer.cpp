@@ -6,7 +6,8 @@
 namespace depthscope::platform {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "PLY files are written in the machine's own order");
+static_assert(std::endian::native == std::endian::little,
+              "PLY files are written in the machine's own order");
 
 template <class T>
 void put(std::ostream& out, const T& value) {
@@ -21,7 +22,8 @@ void put(std::ostream& out, const Eigen::Vector3f& v) {
 
 void writePly(std::ostream& out, const SurfaceMesh& mesh) {
   out << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertices.size()
-      << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty "
+         "float ny\n"
          "property float nz\nproperty float confidence\nelement face "
       << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {

@@ -8,7 +8,8 @@
 namespace depthscope::platform {
 
 void writePng(const std::filesystem::path& path, const RgbaView& picture) {
-  const auto width = static_cast<std::size_t>(picture.width), height = static_cast<std::size_t>(picture.height);
+  const auto width = static_cast<std::size_t>(picture.width),
+             height = static_cast<std::size_t>(picture.height);
   std::vector<std::uint8_t> rgb(width * height * 3);
   std::uint8_t* out = rgb.data();
   for (int y = 0; y < picture.height; ++y) {

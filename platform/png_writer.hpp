@@ -5,7 +5,8 @@
 
 namespace depthscope::platform {
 
-/// Writes a picture as an RGB PNG (the alpha is left out). Throws std::runtime_error naming the file.
+/// Writes a picture as an RGB PNG (the alpha is left out). Throws std::runtime_error naming the
+/// file.
 void writePng(const std::filesystem::path& path, const RgbaView& picture);
 
 }  // namespace depthscope::platform

@@ -3,7 +3,8 @@
 
 namespace depthscope::platform {
 
-/// When a new surface is due: soon after tracking started, then every period. Times are the frames' own.
+/// When a new surface is due: soon after tracking started, then every period. Times are the frames'
+/// own.
 class SurfaceSchedule {
  public:
   /// `period_s` 0: never due.

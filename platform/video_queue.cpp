@@ -7,11 +7,14 @@ constexpr std::size_t queue_length = 4;
 
 VideoQueue::VideoQueue(const std::filesystem::path& path, int width, int height, double fps)
     : width_(width), height_(height), writer_(path, width, height, fps), slots_(queue_length) {
-  for (Slot& slot : slots_) slot.pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4);
+  for (Slot& slot : slots_)
+    slot.pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4);
   thread_ = std::thread([this] { run(); });
 }
 
-VideoQueue::~VideoQueue() { stop(); }
+VideoQueue::~VideoQueue() {
+  stop();
+}
 
 std::span<std::uint8_t> VideoQueue::acquire(WhenFull when_full) {
   std::unique_lock lock(mutex_);

@@ -12,8 +12,8 @@
 
 namespace depthscope::platform {
 
-/// A VideoWriter in a thread of its own behind a few preallocated pictures, so that encoding runs beside
-/// compositing. Used from one thread: acquire a buffer, fill it, submit it.
+/// A VideoWriter in a thread of its own behind a few preallocated pictures, so that encoding runs
+/// beside compositing. Used from one thread: acquire a buffer, fill it, submit it.
 class VideoQueue {
  public:
   /// Throws like VideoWriter.
@@ -21,8 +21,8 @@ class VideoQueue {
   ~VideoQueue();
 
   enum class WhenFull { Wait, GiveUp };
-  /// A buffer of height * width * 4 bytes (R G B A) to fill, or an empty span when all are waiting to be
-  /// encoded and the caller does not want to wait. Throws what the encoder threw, if it did.
+  /// A buffer of height * width * 4 bytes (R G B A) to fill, or an empty span when all are waiting
+  /// to be encoded and the caller does not want to wait. Throws what the encoder threw, if it did.
   std::span<std::uint8_t> acquire(WhenFull when_full);
   /// Hands over the buffer last acquired, to be shown at index / fps seconds.
   void submit(std::int64_t index);

@@ -81,7 +81,8 @@ void VideoWriter::Impl::openCodec(int width, int height, double fps) {
 
 void VideoWriter::Impl::open(int width, int height, double fps) {
   AVFormatContext* context = nullptr;
-  check(avformat_alloc_output_context2(&context, nullptr, "mp4", file.c_str()), "container cannot be made");
+  check(avformat_alloc_output_context2(&context, nullptr, "mp4", file.c_str()),
+        "container cannot be made");
   format.reset(context);
   openCodec(width & ~1, height & ~1, fps);
   stream = avformat_new_stream(format.get(), nullptr);
@@ -95,8 +96,9 @@ void VideoWriter::Impl::open(int width, int height, double fps) {
   picture->width = codec->width;
   picture->height = codec->height;
   check(av_frame_get_buffer(picture.get(), 0), "no memory for a picture");
-  scaler.reset(sws_getContext(codec->width, codec->height, AV_PIX_FMT_RGBA, codec->width, codec->height,
-                              codec->pix_fmt, SWS_BILINEAR, nullptr, nullptr, nullptr));
+  scaler.reset(sws_getContext(codec->width, codec->height, AV_PIX_FMT_RGBA, codec->width,
+                              codec->height, codec->pix_fmt, SWS_BILINEAR, nullptr, nullptr,
+                              nullptr));
   if (!scaler) throw std::bad_alloc();
   const int opened = avio_open(&format->pb, file.c_str(), AVIO_FLAG_WRITE);
   if (opened < 0) throw InputError(file + ": cannot be written: " + errorText(opened));
@@ -135,7 +137,8 @@ void VideoWriter::write(const RgbaView& picture, std::int64_t index) {
   d.check(av_frame_make_writable(d.picture.get()), "no memory for a picture");
   const std::uint8_t* rows[1] = {picture.data};
   const int strides[1] = {static_cast<int>(picture.stride)};
-  sws_scale(d.scaler.get(), rows, strides, 0, d.codec->height, d.picture->data, d.picture->linesize);
+  sws_scale(d.scaler.get(), rows, strides, 0, d.codec->height, d.picture->data,
+            d.picture->linesize);
   d.picture->pts = index;
   d.picture->quality = d.codec->global_quality;
   d.check(avcodec_send_frame(d.codec.get(), d.picture.get()), "picture cannot be encoded");

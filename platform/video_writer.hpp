@@ -7,7 +7,8 @@
 
 namespace depthscope::platform {
 
-/// Writes pictures to an MP4 file (MPEG-4 part 2 at high quality, an encoder that FFmpeg carries itself).
+/// Writes pictures to an MP4 file (MPEG-4 part 2 at high quality, an encoder that FFmpeg carries
+/// itself).
 class VideoWriter {
  public:
   /// Width and height [px]; an odd last column or row is left out, as the chroma is halved. Throws

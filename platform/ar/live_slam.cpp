@@ -4,11 +4,13 @@
 #include "types/allocation_scope.hpp"
 
 namespace depthscope::platform {
-LiveSlam::LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam, const recon::ReconSettings& recon)
+LiveSlam::LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam,
+                   const recon::ReconSettings& recon)
     : slam_(camera, slam, slam::MappingMode::Threaded),
       schedule_(recon.period_s),
       worker_(recon, [this](const recon::ReconReport& report) {
-        if (report.status == recon::ReconStatus::OutOfMemory || report.status == recon::ReconStatus::Failed)
+        if (report.status == recon::ReconStatus::OutOfMemory ||
+            report.status == recon::ReconStatus::Failed)
           log(LogPriority::Warning, "reconstruction failed", {{"points", report.points}});
         if (report.status != recon::ReconStatus::Ok) return;
         const std::lock_guard lock(times_mutex_);
@@ -42,7 +44,9 @@ void LiveSlam::requestWhenDue(const PoseEstimate& estimate) {
   schedule_.surfaceRequested(estimate.timestamp_s);
 }
 
-bool LiveSlam::takeSurface(SurfaceMesh& mesh) { return worker_.takeNewest(mesh) && mesh.map_id == map_id_; }
+bool LiveSlam::takeSurface(SurfaceMesh& mesh) {
+  return worker_.takeNewest(mesh) && mesh.map_id == map_id_;
+}
 
 void LiveSlam::reset() {
   worker_.cancel();

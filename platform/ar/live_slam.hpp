@@ -9,11 +9,12 @@
 
 namespace depthscope::platform {
 
-/// SLAM and reconstruction as they run live: tracking in the caller's thread, mapping and reconstruction
-/// in threads of their own; a new surface is asked for every period or on demand.
+/// SLAM and reconstruction as they run live: tracking in the caller's thread, mapping and
+/// reconstruction in threads of their own; a new surface is asked for every period or on demand.
 class LiveSlam {
  public:
-  LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam, const recon::ReconSettings& recon);
+  LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam,
+           const recon::ReconSettings& recon);
 
   /// Tracks one picture and asks for a surface when one is due. From one thread.
   PoseEstimate track(const GrayView& luma, std::int64_t frame, double timestamp_s);
@@ -37,8 +38,8 @@ class LiveSlam {
   std::uint32_t map_id_ = 0;
   SparseCloud cloud_;
   mutable std::mutex times_mutex_;
-  Histogram reconstruct_ms_;             // guarded by times_mutex_
-  recon::ReconstructionWorker worker_;   // last: its thread uses what stands above
+  Histogram reconstruct_ms_;            // guarded by times_mutex_
+  recon::ReconstructionWorker worker_;  // last: its thread uses what stands above
 };
 
 }  // namespace depthscope::platform

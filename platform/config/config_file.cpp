@@ -39,10 +39,18 @@ bool assign(bool* field, const Setting&, const toml::node& node) {
   *field = node.as_boolean()->get();
   return true;
 }
-bool assign(int* field, const Setting& s, const toml::node& node) { return assignInteger(*field, s, node); }
-bool assign(std::int64_t* field, const Setting& s, const toml::node& node) { return assignInteger(*field, s, node); }
-bool assign(float* field, const Setting& s, const toml::node& node) { return assignReal(*field, s, node); }
-bool assign(double* field, const Setting& s, const toml::node& node) { return assignReal(*field, s, node); }
+bool assign(int* field, const Setting& s, const toml::node& node) {
+  return assignInteger(*field, s, node);
+}
+bool assign(std::int64_t* field, const Setting& s, const toml::node& node) {
+  return assignInteger(*field, s, node);
+}
+bool assign(float* field, const Setting& s, const toml::node& node) {
+  return assignReal(*field, s, node);
+}
+bool assign(double* field, const Setting& s, const toml::node& node) {
+  return assignReal(*field, s, node);
+}
 bool assign(std::string* field, const Setting&, const toml::node& node) {
   if (!node.is_string()) return false;
   *field = node.as_string()->get();
@@ -60,7 +68,8 @@ bool assign(const ChoiceField& choice, const Setting&, const toml::node& node) {
 
 /// Sets the field from `node`; `where` starts the message should that fail.
 void assignChecked(const Setting& setting, const toml::node& node, const std::string& where) {
-  const bool done = std::visit([&](const auto& field) { return assign(field, setting, node); }, setting.field);
+  const bool done =
+      std::visit([&](const auto& field) { return assign(field, setting, node); }, setting.field);
   if (done) return;
   std::ostringstream got;
   node.visit([&](const auto& concrete) {
@@ -85,12 +94,14 @@ bool isSection(const std::vector<Setting>& table, std::string_view name) {
   return false;
 }
 
-[[noreturn]] void throwUnknown(const std::vector<Setting>& table, const std::string& where, const std::string& key) {
+[[noreturn]] void throwUnknown(const std::vector<Setting>& table, const std::string& where,
+                               const std::string& key) {
   const auto dot = key.rfind('.');
   std::string known;
   if (dot != std::string::npos)
     for (const Setting& s : table)
-      if (s.section() == std::string_view(key).substr(0, dot)) known += (known.empty() ? "" : ", ") + std::string(s.name());
+      if (s.section() == std::string_view(key).substr(0, dot))
+        known += (known.empty() ? "" : ", ") + std::string(s.name());
   if (!known.empty()) throw InputError(where + "unknown key " + key + "; expected one of " + known);
   std::string sections;
   std::string_view last;
@@ -102,8 +113,8 @@ bool isSection(const std::vector<Setting>& table, std::string_view name) {
   throw InputError(where + "unknown key or section " + key + "; sections are " + sections);
 }
 
-void applyTable(const std::vector<Setting>& table, const toml::table& node, const std::string& prefix,
-                const std::string& file) {
+void applyTable(const std::vector<Setting>& table, const toml::table& node,
+                const std::string& prefix, const std::string& file) {
   for (const auto& [name, value] : node) {
     const std::string key = prefix + std::string(name.str());
     const std::string where = file + ":" + std::to_string(value.source().begin.line) + ": ";
@@ -122,13 +133,14 @@ void loadConfig(const std::filesystem::path& path, Settings& settings) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
   // A folder opens but does not read.
-  if (!in || !(text << in.rdbuf())) throw InputError(path.string() + ": cannot be read, expected a configuration file");
+  if (!in || !(text << in.rdbuf()))
+    throw InputError(path.string() + ": cannot be read, expected a configuration file");
   try {
     const toml::table root = toml::parse(text.str(), path.string());
     applyTable(settingTable(settings), root, "", path.string());
   } catch (const toml::parse_error& error) {
-    throw InputError(path.string() + ":" + std::to_string(error.source().begin.line) + ": not TOML: " +
-                     std::string(error.description()));
+    throw InputError(path.string() + ":" + std::to_string(error.source().begin.line) +
+                     ": not TOML: " + std::string(error.description()));
   }
 }
 
@@ -147,9 +159,11 @@ void applyOverride(std::string_view assignment, Settings& settings) {
     parsed.insert("v", value);  // a bare word
   }
   const toml::node* node = parsed.get("v");
-  const bool text = std::holds_alternative<std::string*>(setting->field) || std::holds_alternative<ChoiceField>(setting->field);
+  const bool text = std::holds_alternative<std::string*>(setting->field) ||
+                    std::holds_alternative<ChoiceField>(setting->field);
   toml::value<std::string> raw(value);
-  assignChecked(*setting, text && !node->is_string() ? static_cast<const toml::node&>(raw) : *node, "--set ");
+  assignChecked(*setting, text && !node->is_string() ? static_cast<const toml::node&>(raw) : *node,
+                "--set ");
 }
 
 std::string documentedConfig() {
@@ -161,7 +175,8 @@ std::string documentedConfig() {
       last = s.section();
       out += "\n[" + last + "]\n";
     }
-    out += "# " + std::string(s.doc) + " (" + expectation(s) + ")\n#" + std::string(s.name()) + " = " + valueAsToml(s) + "\n";
+    out += "# " + std::string(s.doc) + " (" + expectation(s) + ")\n#" + std::string(s.name()) +
+           " = " + valueAsToml(s) + "\n";
   }
   return out;
 }

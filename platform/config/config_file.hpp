@@ -7,11 +7,13 @@
 
 namespace depthscope::platform {
 
-/// Reads a TOML file over `settings`; keys that it does not name keep their values. Throws InputError
-/// naming file, line, key and what was expected: unknown key, wrong type, out of range, not TOML.
+/// Reads a TOML file over `settings`; keys that it does not name keep their values. Throws
+/// InputError naming file, line, key and what was expected: unknown key, wrong type, out of range,
+/// not TOML.
 void loadConfig(const std::filesystem::path& path, Settings& settings);
 
-/// Applies one `section.key=value`, value in TOML; a text may come without quotes. Throws InputError.
+/// Applies one `section.key=value`, value in TOML; a text may come without quotes. Throws
+/// InputError.
 void applyOverride(std::string_view assignment, Settings& settings);
 
 /// A configuration file with every key at its default, each with its meaning and range.

@@ -1,5 +1,5 @@
-// The list of all configuration keys. To add one: add the field to its module's settings struct, and
-// one line here.
+// The list of all configuration keys. To add one: add the field to its module's settings struct,
+// and one line here.
 #include "platform/config/setting_table.hpp"
 
 namespace depthscope::platform {
@@ -40,7 +40,8 @@ void bindCapture(Binder& b, CaptureSettings& s) {
   b.section("capture");
   b.text("input", s.input, "video file or folder of images that stands for the endoscope");
   b.text("camera", s.camera, "camera file, as depthscope calibrate writes it");
-  b.flag("loop", s.loop, "play the clip again at its end; without it the daemon ends with the clip");
+  b.flag("loop", s.loop,
+         "play the clip again at its end; without it the daemon ends with the clip");
   b.number("fps", s.fps, 0, 240, "pictures a second; 0: the camera file's, else the clip's own");
   b.number("buffers", s.buffers, 3, 32, "pictures in the capture pool");
   b.text("faults", s.faults, "fault script to act out; empty: none");
@@ -48,56 +49,108 @@ void bindCapture(Binder& b, CaptureSettings& s) {
 
 void bindSlam(Binder& b, slam::SlamSettings& s) {
   b.section("slam.extractor");
-  b.number("features", s.extractor.features, 100, 10000, "features kept per frame, over all levels");
+  b.number("features", s.extractor.features, 100, 10000,
+           "features kept per frame, over all levels");
   b.number("levels", s.extractor.levels, 1, 12, "pyramid levels");
   b.number("scale_factor", s.extractor.scale_factor, 1.05, 2, "between pyramid levels");
-  b.number("fast_threshold", s.extractor.fast_threshold, 1, 255, "[grey levels] first try in each cell");
-  b.number("fast_threshold_min", s.extractor.fast_threshold_min, 1, 255, "[grey levels] where the first finds nothing");
-  b.number("specular_threshold", s.extractor.specular_threshold, 1, 256, "[grey levels] at or above: saturated, not tissue");
-  b.number("dark_threshold", s.extractor.dark_threshold, -1, 254, "[grey levels] at or below: outside the round field of view");
+  b.number("fast_threshold", s.extractor.fast_threshold, 1, 255,
+           "[grey levels] first try in each cell");
+  b.number("fast_threshold_min", s.extractor.fast_threshold_min, 1, 255,
+           "[grey levels] where the first finds nothing");
+  b.number("specular_threshold", s.extractor.specular_threshold, 1, 256,
+           "[grey levels] at or above: saturated, not tissue");
+  b.number("specular_contrast", s.extractor.specular_contrast, 1, 10,
+           "times the brightness of the tissue around: a highlight");
+  b.number("dark_threshold", s.extractor.dark_threshold, -1, 254,
+           "[grey levels] at or below: outside the round field of view");
 
   b.section("slam.capacity");
   b.number("keyframes", s.capacity.keyframes, 16, 4096, "keyframes the map has room for");
   b.number("map_points", s.capacity.map_points, 1000, 500000, "points the map has room for");
-  b.number("observations_per_point", s.capacity.observations_per_point, 4, 256, "keyframes that may observe one point");
+  b.number("observations_per_point", s.capacity.observations_per_point, 4, 256,
+           "keyframes that may observe one point");
   b.number("local_points", s.capacity.local_points, 500, 100000, "points looked for in one frame");
 
   b.section("slam.matching");
   b.number("search_region", s.matching.search_region, 0.1, 10, "factor on all search radii");
-  b.number("motion_radius_px", s.matching.motion_radius_px, 1, 200, "around the predicted position, from the last frame");
+  b.number("motion_radius_px", s.matching.motion_radius_px, 1, 200,
+           "around the predicted position, from the last frame");
   b.number("map_radius_px", s.matching.map_radius_px, 1, 200, "around a projected map point");
-  b.number("hamming_strict", s.matching.hamming_strict, 1, 256, "[bits] new points, relocalization");
+  b.number("hamming_strict", s.matching.hamming_strict, 1, 256,
+           "[bits] new points, relocalization");
   b.number("hamming_loose", s.matching.hamming_loose, 1, 256, "[bits] guided by a pose");
   b.number("ratio", s.matching.ratio, 0.1, 1, "best over second best distance");
 
   b.section("slam.initializer");
   b.number("min_matches", s.initializer.min_matches, 8, 10000, "matches between the two views");
-  b.number("search_radius_px", s.initializer.search_radius_px, 1, 2000, "around the feature's place in the first view");
-  b.number("min_parallax_deg", s.initializer.min_parallax_deg, 0.01, 45, "median over the new points");
+  b.number("search_radius_px", s.initializer.search_radius_px, 1, 2000,
+           "around the feature's place in the first view");
+  b.number("min_parallax_deg", s.initializer.min_parallax_deg, 0.01, 45,
+           "median over the new points");
   b.number("min_points", s.initializer.min_points, 8, 10000, "points a new map starts with");
 
   b.section("slam.tracker");
-  b.number("min_motion_inliers", s.tracker.min_motion_inliers, 3, 10000, "fewer: try the reference keyframe");
+  b.number("min_motion_inliers", s.tracker.min_motion_inliers, 3, 10000,
+           "fewer: try the reference keyframe");
   b.number("min_inliers", s.tracker.min_inliers, 3, 10000, "fewer in the local map: lost");
-  b.number("min_inliers_relocalized", s.tracker.min_inliers_relocalized, 3, 10000, "needed to be found again");
-  b.number("local_keyframes", s.tracker.local_keyframes, 1, 1000, "that a frame's local map is made from");
-  b.number("keyframe_ratio", s.tracker.keyframe_ratio, 0, 1, "new keyframe below this share of the reference's points");
-  b.number("max_keyframe_gap_s", s.tracker.max_keyframe_gap_s, 0.01, 60, "new keyframe after this time at the latest");
+  b.number("min_inliers_relocalized", s.tracker.min_inliers_relocalized, 3, 10000,
+           "needed to be found again");
+  b.number("local_keyframes", s.tracker.local_keyframes, 1, 1000,
+           "that a frame's local map is made from");
+  b.number("keyframe_ratio", s.tracker.keyframe_ratio, 0, 1,
+           "new keyframe below this share of the reference's points");
 
   b.section("slam.mapper");
   b.number("neighbours", s.mapper.neighbours, 1, 100, "keyframes to triangulate with");
-  b.number("max_parallax_cos", s.mapper.max_parallax_cos, 0.5, 1, "rays closer than this make no point");
-  b.number("triangulation_chi2", s.mapper.triangulation_chi2, 0.01, 100, "squared reprojection error over variance");
-  b.number("window_keyframes", s.mapper.window_keyframes, 2, 200, "free in local bundle adjustment");
+  b.number("max_parallax_cos", s.mapper.max_parallax_cos, 0.5, 1,
+           "rays closer than this make no point");
+  b.number("triangulation_chi2", s.mapper.triangulation_chi2, 0.01, 100,
+           "squared reprojection error over variance");
+  b.number("window_keyframes", s.mapper.window_keyframes, 2, 200,
+           "free in local bundle adjustment");
   b.number("window_fixed", s.mapper.window_fixed, 0, 500, "fixed around them");
   b.number("iterations", s.mapper.iterations, 1, 100, "of local bundle adjustment");
-  b.number("redundancy", s.mapper.redundancy, 0.1, 1, "share of points seen elsewhere that makes a keyframe redundant");
+  b.number("redundancy", s.mapper.redundancy, 0.1, 1,
+           "share of points seen elsewhere that makes a keyframe redundant");
 }
 
 void bindRecon(Binder& b, recon::ReconSettings& s) {
   b.section("recon");
   b.number("period_s", s.period_s, 0, 3600, "a new surface this often; 0: only on demand");
-  b.number("min_points", s.min_points, 10, 1000000, "fewer: no surface is attempted");
+  b.number("min_points", s.min_points, 10, 1000000,
+           "fewer after the filters: no surface is attempted");
+  b.number("max_points", s.max_points, 100, 1000000,
+           "points taken in, the most observed ones first");
+  b.number("max_triangles", s.max_triangles, 1000, 4000000, "above it the surface is made coarser");
+  b.number("min_observations", s.min_observations, 1, 100, "keyframes that see a point");
+  b.number("max_reprojection_error_px", s.max_reprojection_error_px, 0.1, 100,
+           "of a point, root mean square");
+  b.number("max_view_tilt_deg", s.max_view_tilt_deg, 10, 90,
+           "between surface normal and line of sight");
+  b.number("spacing_neighbours", s.spacing_neighbours, 1, 50,
+           "spacing: distance to this neighbour, median over the cloud");
+  b.number("outlier_radius", s.outlier_radius, 0.1, 100, "[spacing] of the radius filter");
+  b.number("outlier_min_neighbours", s.outlier_min_neighbours, 0, 1000, "within it");
+  b.number("voxel_size", s.voxel_size, 0.01, 100, "[spacing] of the voxel grid");
+  b.number("mls_radius", s.mls_radius, 0.1, 100,
+           "[spacing] neighbourhood of the Moving Least Squares fit");
+  b.number("mls_max_residual", s.mls_max_residual, 0.5, 100,
+           "[robust standard deviations] farther: outlier");
+  b.number("poisson_cell", s.poisson_cell, 0.1, 100,
+           "[spacing] wanted size of the finest octree cell");
+  b.number("poisson_min_depth", s.poisson_min_depth, 2, 12, "of the octree");
+  b.number("poisson_max_depth", s.poisson_max_depth, 2, 12, "of the octree");
+  b.number("poisson_point_weight", s.poisson_point_weight, 0, 100,
+           "pull of the samples on the surface (screening)");
+  b.number("poisson_samples_per_node", s.poisson_samples_per_node, 1, 20, "of the octree");
+  b.number("trim_distance", s.trim_distance, 0.1, 100,
+           "[local spacing] from a vertex to the nearest point");
+  b.number("trim_max_spacing", s.trim_max_spacing, 0.1, 100,
+           "[spacing] upper bound on the local spacing");
+  b.number("min_island_area", s.min_island_area, 0, 1000000,
+           "[spacing^2] smaller separate pieces are dropped");
+  b.number("full_confidence_support", s.full_confidence_support, 0.1, 1000,
+           "observations near a vertex for confidence 1");
 }
 
 void bindOverlay(Binder& b, overlay::OverlaySettings& s) {
@@ -106,8 +159,22 @@ void bindOverlay(Binder& b, overlay::OverlaySettings& s) {
   b.number("opacity", s.opacity, 0, 1, "of the cue over the picture");
   b.flag("inset", s.inset, "the turned-aside view of the mesh in a corner");
   b.flag("labels", s.labels, "show labels");
-  b.number("max_age_ms", s.max_age_ms, 10, 1000, "an overlay older than this is gone; it fades before");
-  b.number("label_height_px", s.label_height_px, 0, 400, "0: from the picture's height");
+  b.number("max_age_ms", s.max_age_ms, 10, 1000,
+           "an overlay older than this is gone; it fades before");
+  b.number("label_height_px", s.label_height_px, 0, 400,
+           "of the text; 0: from the picture's height");
+  b.text("font_file", s.font_file, "TrueType file; empty: DejaVu Sans where Debian puts it");
+  b.number("gone_confidence", s.gone_confidence, 0, 1,
+           "of the pose, at or below which nothing is drawn over the picture");
+  b.number("full_confidence", s.full_confidence, 0, 1,
+           "of the pose, from which the overlay has its whole strength");
+  b.number("crossfade_s", s.crossfade_s, 0, 10, "from one surface to the next");
+  b.number("border_fade", s.border_fade, 0, 0.5, "width of the surface's soft border, of the mesh");
+  b.number("inset_turn_deg", s.inset_turn_deg, -89, 89,
+           "of the turned-aside view, about the picture's vertical axis");
+  b.number("inset_width", s.inset_width, 0.05, 0.5, "of the picture's width");
+  b.number("max_labels", s.max_labels, 0, 256,
+           "memory is set aside for so many; later ones are left out");
 }
 
 void bindDisplay(Binder& b, DisplaySettings& s) {
@@ -121,11 +188,14 @@ void bindDaemon(Binder& b, DaemonSettings& s) {
   b.text("control_socket", s.control_socket, "where depthscope status and the like connect to");
   b.text("state_dir", s.state_dir, "folder for snapshots");
   b.text("ar_program", s.ar_program, "the AR process; empty: depthscope-ar beside depthscoped");
-  b.number("realtime_priority", s.realtime_priority, 0, 99, "SCHED_FIFO priority of the video loop; 0: ordinary");
+  b.number("realtime_priority", s.realtime_priority, 0, 99,
+           "SCHED_FIFO priority of the video loop; 0: ordinary");
   b.flag("lock_memory", s.lock_memory, "keep all pages of the video process in memory");
-  b.number("restart_min_s", s.restart_min_s, 0.01, 60, "first wait before the AR process is started again");
+  b.number("restart_min_s", s.restart_min_s, 0.01, 60,
+           "first wait before the AR process is started again");
   b.number("restart_max_s", s.restart_max_s, 0.01, 600, "the wait doubles up to this");
-  b.number("heartbeat_timeout_s", s.heartbeat_timeout_s, 0.5, 600, "an AR process silent for longer is killed and started again");
+  b.number("heartbeat_timeout_s", s.heartbeat_timeout_s, 0.5, 600,
+           "an AR process silent for longer is killed and started again");
   b.number("max_vertices", s.max_vertices, 1000, 4000000, "room for a surface in shared memory");
   b.number("max_triangles", s.max_triangles, 1000, 8000000, "room for a surface in shared memory");
 }

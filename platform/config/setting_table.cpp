@@ -34,7 +34,9 @@ std::string quoted(std::string_view text) {
   return out + '"';
 }
 
-std::string rangeText(const Setting& s) { return numberText(s.min) + " to " + numberText(s.max); }
+std::string rangeText(const Setting& s) {
+  return numberText(s.min) + " to " + numberText(s.max);
+}
 
 }  // namespace
 
@@ -60,8 +62,7 @@ std::string valueAsToml(const Setting& setting) {
       Overloaded{[](bool* v) -> std::string { return *v ? "true" : "false"; },
                  [](int* v) { return numberText(*v); },
                  [](std::int64_t* v) { return numberText(*v); },
-                 [](float* v) { return realText(*v); },
-                 [](double* v) { return realText(*v); },
+                 [](float* v) { return realText(*v); }, [](double* v) { return realText(*v); },
                  [](std::string* v) { return quoted(*v); },
                  [](const ChoiceField& choice) { return quoted(choice.names[choice.get()]); }},
       setting.field);

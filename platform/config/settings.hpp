@@ -9,12 +9,12 @@ namespace depthscope::platform {
 
 /// Where the daemon's pictures come from.
 struct CaptureSettings {
-  std::string input;      // video file or folder of images
-  std::string camera;     // camera file
-  bool loop = true;       // play the clip again at its end; without it the daemon ends with the clip
-  double fps = 0;         // [1/s] overrides the clip's rate; 0: the camera file's, else the clip's own
-  int buffers = 6;        // pool of pictures
-  std::string faults;     // fault script to act out; empty: none
+  std::string input;   // video file or folder of images
+  std::string camera;  // camera file
+  bool loop = true;    // play the clip again at its end; without it the daemon ends with the clip
+  double fps = 0;      // [1/s] overrides the clip's rate; 0: the camera file's, else the clip's own
+  int buffers = 6;     // pool of pictures
+  std::string faults;  // fault script to act out; empty: none
 };
 
 enum class DisplayKind { Null, File };
@@ -22,7 +22,7 @@ enum class DisplayKind { Null, File };
 /// Where the daemon's pictures go to.
 struct DisplaySettings {
   DisplayKind kind = DisplayKind::Null;
-  std::string path;       // video file to write, for kind "file"
+  std::string path;  // video file to write, for kind "file"
 };
 
 /// The daemon itself: control, supervision, priority.

@@ -10,7 +10,8 @@ sockaddr_un socketAddress(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof address.sun_path)
-    throw InputError(path + ": expected a socket path of 1 to " + std::to_string(sizeof address.sun_path - 1) + " bytes");
+    throw InputError(path + ": expected a socket path of 1 to " +
+                     std::to_string(sizeof address.sun_path - 1) + " bytes");
   std::memcpy(address.sun_path, path.data(), path.size());
   return address;
 }
@@ -43,7 +44,8 @@ ssize_t receiveWithFd(int socket, std::span<char> bytes, UniqueFd& attached, int
   message.msg_controllen = sizeof control;
   const ssize_t received = ::recvmsg(socket, &message, flags | MSG_CMSG_CLOEXEC);
   if (received < 0) return received;
-  for (cmsghdr* header = CMSG_FIRSTHDR(&message); header != nullptr; header = CMSG_NXTHDR(&message, header)) {
+  for (cmsghdr* header = CMSG_FIRSTHDR(&message); header != nullptr;
+       header = CMSG_NXTHDR(&message, header)) {
     if (header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_RIGHTS) continue;
     int fd = -1;
     std::memcpy(&fd, CMSG_DATA(header), sizeof fd);

@@ -19,10 +19,12 @@ void removeMade(const std::vector<fs::path>& made) {
 
 }  // namespace
 
-OutputDirectory::OutputDirectory(const fs::path& path) : path_(fs::absolute(path).lexically_normal()) {
+OutputDirectory::OutputDirectory(const fs::path& path)
+    : path_(fs::absolute(path).lexically_normal()) {
   const auto fail = [&](const std::string& why) {
     removeMade(made_);
-    throw InputError(path.string() + ": cannot be written: " + why + ", expected a folder to write to");
+    throw InputError(path.string() + ": cannot be written: " + why +
+                     ", expected a folder to write to");
   };
   std::error_code error;
   fs::path walked;
@@ -34,7 +36,8 @@ OutputDirectory::OutputDirectory(const fs::path& path) : path_(fs::absolute(path
     if (error) fail(error.message());
   }
   std::string pattern = (path_ / ".depthscope-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) fail(std::error_code(errno, std::generic_category()).message());
+  if (mkdtemp(pattern.data()) == nullptr)
+    fail(std::error_code(errno, std::generic_category()).message());
   partial_ = pattern;
 }
 

@@ -5,8 +5,9 @@
 
 namespace depthscope::platform {
 
-/// A folder that gets all of a run's files or none: they are written into a hidden folder inside it and
-/// moved to their places by commit(). Without commit() the destructor removes everything it made.
+/// A folder that gets all of a run's files or none: they are written into a hidden folder inside it
+/// and moved to their places by commit(). Without commit() the destructor removes everything it
+/// made.
 class OutputDirectory {
  public:
   /// Makes the folder where it is missing. Throws InputError when it cannot be written to.
@@ -17,8 +18,9 @@ class OutputDirectory {
 
   /// Where to write the file `name` until commit().
   std::filesystem::path file(std::string_view name) const { return partial_ / name; }
-  /// Moves the files to their places. Files of an earlier run among `names` that this run did not write
-  /// are removed, so that results of two runs never mix. Throws std::filesystem::filesystem_error.
+  /// Moves the files to their places. Files of an earlier run among `names` that this run did not
+  /// write are removed, so that results of two runs never mix. Throws
+  /// std::filesystem::filesystem_error.
   void commit(const std::vector<std::string_view>& names);
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "capture/pixel_convert.hpp"
+#include "platform/log.hpp"
 #include "platform/png_writer.hpp"
 #include "platform/stopwatch.hpp"
 
@@ -15,7 +16,8 @@ std::size_t rgbaBytes(const CameraModel& camera) {
 
 }  // namespace
 
-OverlayRecorder::OverlayRecorder(const CameraModel& camera, const overlay::OverlaySettings& settings, double fps,
+OverlayRecorder::OverlayRecorder(const CameraModel& camera,
+                                 const overlay::OverlaySettings& settings, double fps,
                                  const std::filesystem::path& video)
     : width_(camera.width),
       height_(camera.height),
@@ -24,13 +26,16 @@ OverlayRecorder::OverlayRecorder(const CameraModel& camera, const overlay::Overl
       picture_(rgbaBytes(camera)),
       snapshot_(rgbaBytes(camera)) {}
 
-bool OverlayRecorder::show(const capture::Frame& frame, const overlay::OverlayState& state, std::int64_t index,
-                           VideoQueue::WhenFull when_full, Histogram& composite_ms) {
+bool OverlayRecorder::show(const capture::Frame& frame, const overlay::OverlayState& state,
+                           std::int64_t index, VideoQueue::WhenFull when_full,
+                           Histogram& composite_ms) {
   const auto out = video_.acquire(when_full);
   if (out.empty()) return false;
   const Stopwatch watch;
   capture::toRgba(frame, picture_);
-  compositor_.composite({picture_.data(), width_, height_, width_ * 4}, state, out);
+  // On false the picture is there without its overlay, and the next one may have it again.
+  failed_composites_ +=
+      !compositor_.composite({picture_.data(), width_, height_, width_ * 4}, state, out);
   composite_ms.add(watch.elapsedMs());
   if (state.status == overlay::Status::Tracking) {
     std::copy(out.begin(), out.end(), snapshot_.begin());
@@ -42,20 +47,30 @@ bool OverlayRecorder::show(const capture::Frame& frame, const overlay::OverlaySt
 
 void OverlayRecorder::finish(const std::filesystem::path& snapshot) {
   video_.finish();
+  if (failed_composites_ > 0)
+    log(LogPriority::Warning, "overlay left out, the graphics driver failed",
+        {{"frames", failed_composites_}});
   if (has_snapshot_) writePng(snapshot, {snapshot_.data(), width_, height_, width_ * 4});
 }
 
-overlay::OverlayState overlayState(const PoseEstimate& estimate, float age_ms) {
+overlay::OverlayState overlayState(const PoseEstimate& estimate, double time_s) {
   overlay::OverlayState state;
   switch (estimate.state) {
-    case TrackingState::Initializing: state.status = overlay::Status::Initializing; break;
-    case TrackingState::Tracking: state.status = overlay::Status::Tracking; break;
-    case TrackingState::Lost: state.status = overlay::Status::Lost; break;
+    case TrackingState::Initializing:
+      state.status = overlay::Status::Initializing;
+      break;
+    case TrackingState::Tracking:
+      state.status = overlay::Status::Tracking;
+      break;
+    case TrackingState::Lost:
+      state.status = overlay::Status::Lost;
+      break;
   }
   state.T_camera_world = estimate.T_camera_world;
   state.map_id = estimate.map_id;
   state.confidence = estimate.confidence;
-  state.age_ms = age_ms;
+  state.age_ms = static_cast<float>(1e3 * (time_s - estimate.timestamp_s));
+  state.time_s = time_s;
   return state;
 }
 

@@ -18,11 +18,12 @@ class OverlayRecorder {
                   const std::filesystem::path& video);
 
   overlay::Compositor& compositor() { return compositor_; }
-  /// Composites and records one picture, shown at index / fps seconds; false when the encoder was busy
-  /// and the picture was given up. Throws std::runtime_error when the video cannot be written.
+  /// Composites and records one picture, shown at index / fps seconds; false when the encoder was
+  /// busy and the picture was given up. Throws std::runtime_error when the video cannot be written.
   bool show(const capture::Frame& frame, const overlay::OverlayState& state, std::int64_t index,
             VideoQueue::WhenFull when_full, Histogram& composite_ms);
-  /// Closes the video and writes the last tracked picture, if there was one. Throws std::runtime_error.
+  /// Closes the video and writes the last tracked picture, if there was one. Throws
+  /// std::runtime_error.
   void finish(const std::filesystem::path& snapshot);
 
  private:
@@ -31,9 +32,10 @@ class OverlayRecorder {
   VideoQueue video_;
   std::vector<std::uint8_t> picture_, snapshot_;
   bool has_snapshot_ = false;
+  int failed_composites_ = 0;
 };
 
-/// The overlay's state right after a frame was tracked.
-overlay::OverlayState overlayState(const PoseEstimate& estimate, float age_ms);
+/// The overlay's state for the picture captured at `time_s`, drawn with this pose.
+overlay::OverlayState overlayState(const PoseEstimate& estimate, double time_s);
 
 }  // namespace depthscope::platform

@@ -11,7 +11,8 @@ namespace depthscope::platform {
 ReplayClip openReplayClip(const ReplayOptions& options) {
   capture::FileSourceSettings settings;
   settings.path = options.input;
-  settings.pacing = options.realtime ? capture::FileSourceSettings::Pacing::Clip : capture::FileSourceSettings::Pacing::Lockstep;
+  settings.pacing = options.realtime ? capture::FileSourceSettings::Pacing::Clip
+                                     : capture::FileSourceSettings::Pacing::Lockstep;
   settings.fps = options.camera.fps;
   ReplayClip clip;
   clip.source = capture::openFileSource(settings);
@@ -19,7 +20,8 @@ ReplayClip openReplayClip(const ReplayOptions& options) {
   requireSize(options.camera, options.camera_file, format.width, format.height);
   clip.fps = options.camera.fps > 0 ? options.camera.fps : clip.source->fps();
   if (clip.fps <= 0)
-    throw InputError(options.camera_file.string() + ": fps: is missing, expected as " + options.input.string() + " does not tell");
+    throw InputError(options.camera_file.string() + ": fps: is missing, expected as " +
+                     options.input.string() + " does not tell");
   clip.frames = capture::countFrames(options.input);
   return clip;
 }
@@ -38,19 +40,21 @@ capture::Frame nextFrame(const ReplayOptions& options, ReplayClip& clip) {
     if (result.status == SourceStatus::EndOfStream) return {};
     if (result.status == SourceStatus::Timeout) continue;
     if (result.status != SourceStatus::Ok)
-      throw InputError(options.input.string() + ": " + std::string(toString(result.status)) + ", expected a clip that can be read to its end");
+      throw InputError(options.input.string() + ": " + std::string(toString(result.status)) +
+                       ", expected a clip that can be read to its end");
     const capture::FrameFormat& format = result.frame.format;
     if (format.width != options.camera.width || format.height != options.camera.height)
-      throw InputError(options.input.string() + ": frame " + std::to_string(result.frame.sequence) + " is " +
-                       std::to_string(format.width) + "x" + std::to_string(format.height) + ", expected the size of the first");
+      throw InputError(options.input.string() + ": frame " + std::to_string(result.frame.sequence) +
+                       " is " + std::to_string(format.width) + "x" + std::to_string(format.height) +
+                       ", expected the size of the first");
     return std::move(result.frame);
   }
 }
 
 void requireComplete(const ReplayOptions& options, const ReplayClip& clip, std::int64_t frames) {
   if (frames < clip.frames)
-    throw InputError(options.input.string() + ": ends after " + std::to_string(frames) + " frames, expected " +
-                     std::to_string(clip.frames) + " (truncated?)");
+    throw InputError(options.input.string() + ": ends after " + std::to_string(frames) +
+                     " frames, expected " + std::to_string(clip.frames) + " (truncated?)");
 }
 
 }  // namespace depthscope::platform

@@ -13,8 +13,8 @@ namespace depthscope::platform {
 struct ReplayClip {
   static constexpr std::int64_t unknown_frames = 216000;  // two hours at 30 fps
   std::unique_ptr<capture::FrameSource> source;
-  double fps = 0;             // camera file's, else the clip's
-  std::int64_t frames = 0;    // 0: not known before its end
+  double fps = 0;           // camera file's, else the clip's
+  std::int64_t frames = 0;  // 0: not known before its end
 
   /// Frames to make room for.
   std::int64_t frameCapacity() const { return frames > 0 ? frames : unknown_frames; }
@@ -27,8 +27,8 @@ ReplayClip openReplayClip(const ReplayOptions& options);
 /// The SLAM settings, with room for the whole clip's trajectory.
 slam::SlamSettings slamSettings(const ReplayOptions& options, const ReplayClip& clip);
 
-/// The next picture, or an empty frame at the clip's end. Throws InputError when the clip is damaged or
-/// changes its size, std::runtime_error when the user interrupts.
+/// The next picture, or an empty frame at the clip's end. Throws InputError when the clip is
+/// damaged or changes its size, std::runtime_error when the user interrupts.
 capture::Frame nextFrame(const ReplayOptions& options, ReplayClip& clip);
 
 /// Throws InputError when fewer pictures came than the clip's file announced.
@@ -42,12 +42,14 @@ struct ReplayResult {
   std::vector<slam::StampedPose> trajectory;
 };
 
-/// Tracks every frame, maps before the next one, reconstructs every period and at the end: the same clip
-/// gives the same result. `recorder` may be null.
-ReplayResult replayLockstep(const ReplayOptions& options, ReplayClip& clip, OverlayRecorder* recorder);
+/// Tracks every frame, maps before the next one, reconstructs every period and at the end: the same
+/// clip gives the same result. `recorder` may be null.
+ReplayResult replayLockstep(const ReplayOptions& options, ReplayClip& clip,
+                            OverlayRecorder* recorder);
 
-/// Plays at the clip's rate with tracking, mapping and reconstruction in threads of their own; late frames are
-/// dropped. `recorder` may be null.
-ReplayResult replayRealtime(const ReplayOptions& options, ReplayClip& clip, OverlayRecorder* recorder);
+/// Plays at the clip's rate with tracking, mapping and reconstruction in threads of their own; late
+/// frames are dropped. `recorder` may be null.
+ReplayResult replayRealtime(const ReplayOptions& options, ReplayClip& clip,
+                            OverlayRecorder* recorder);
 
 }  // namespace depthscope::platform

@@ -10,10 +10,12 @@
 namespace depthscope::platform {
 namespace {
 
-const std::vector<std::string_view> output_files = {"trajectory.txt", "trajectory_live.txt", "map.ply",     "surface.ply",
-                                                    "overlay.mp4",    "snapshot.png",        "metrics.json"};
+const std::vector<std::string_view> output_files = {
+    "trajectory.txt", "trajectory_live.txt", "map.ply",     "surface.ply",
+    "overlay.mp4",    "snapshot.png",        "metrics.json"};
 
-void writeResults(const ReplayOptions& options, const ReplayResult& result, const OutputDirectory& out) {
+void writeResults(const ReplayOptions& options, const ReplayResult& result,
+                  const OutputDirectory& out) {
   writeTrajectory(out.file("trajectory.txt"), result.trajectory);
   writeLiveTrajectory(out.file("trajectory_live.txt"), result.record.live(), result.cloud.map_id);
   recon::writePly(out.file("map.ply"), result.cloud);
@@ -22,13 +24,18 @@ void writeResults(const ReplayOptions& options, const ReplayResult& result, cons
 }
 
 void printSummary(const ReplayOptions& options, const RunMetrics& m) {
-  const double share = m.frames > 0 ? 100.0 * static_cast<double>(m.tracked_frames) / static_cast<double>(m.frames) : 0;
-  std::printf("%lld frames, %lld tracked (%.1f %%) from frame %lld on, %d lost, %d keyframes, %d points, %zu triangles\n",
-              static_cast<long long>(m.frames), static_cast<long long>(m.tracked_frames), share,
-              static_cast<long long>(m.first_tracked_frame), m.slam.lost_events, m.slam.keyframes, m.slam.map_points,
-              m.surface_triangles);
-  std::printf("track %.1f ms, reconstruct %.0f ms, composite %.1f ms (medians); results in %s\n", m.track.percentile(0.5),
-              m.reconstruct.percentile(0.5), m.composite.percentile(0.5), options.out.c_str());
+  const double share =
+      m.frames > 0 ? 100.0 * static_cast<double>(m.tracked_frames) / static_cast<double>(m.frames)
+                   : 0;
+  std::printf(
+      "%lld frames, %lld tracked (%.1f %%) from frame %lld on, %d lost, %d keyframes, %d points, "
+      "%zu triangles\n",
+      static_cast<long long>(m.frames), static_cast<long long>(m.tracked_frames), share,
+      static_cast<long long>(m.first_tracked_frame), m.slam.lost_events, m.slam.keyframes,
+      m.slam.map_points, m.surface_triangles);
+  std::printf("track %.1f ms, reconstruct %.0f ms, composite %.1f ms (medians); results in %s\n",
+              m.track.percentile(0.5), m.reconstruct.percentile(0.5), m.composite.percentile(0.5),
+              options.out.c_str());
 }
 
 }  // namespace
@@ -43,9 +50,11 @@ int replayCommand(Arguments arguments) {
   OutputDirectory out(options.out);
   ReplayClip clip = openReplayClip(options);
   std::optional<OverlayRecorder> recorder;
-  if (options.overlay) recorder.emplace(options.camera, options.settings.overlay, clip.fps, out.file("overlay.mp4"));
+  if (options.overlay)
+    recorder.emplace(options.camera, options.settings.overlay, clip.fps, out.file("overlay.mp4"));
   OverlayRecorder* const overlay = recorder ? &*recorder : nullptr;
-  const ReplayResult result = options.realtime ? replayRealtime(options, clip, overlay) : replayLockstep(options, clip, overlay);
+  const ReplayResult result = options.realtime ? replayRealtime(options, clip, overlay)
+                                               : replayLockstep(options, clip, overlay);
   if (recorder) recorder->finish(out.file("snapshot.png"));
   writeResults(options, result, out);
   out.commit(output_files);

@@ -19,13 +19,15 @@ class LockstepReplay {
         slam_(options.camera, slamSettings(options, clip), slam::MappingMode::Lockstep),
         reconstructor_(options.settings.recon),
         labels_(options.labels),
-        gray_(static_cast<std::size_t>(options.camera.width) * static_cast<std::size_t>(options.camera.height)),
+        gray_(static_cast<std::size_t>(options.camera.width) *
+              static_cast<std::size_t>(options.camera.height)),
         schedule_(options.settings.recon.period_s),
         result_{RunRecord(clip.frameCapacity()), {}, {}, {}} {}
 
   ReplayResult run() {
     std::int64_t frames = 0;
-    for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty(); frame = nextFrame(options_, clip_)) {
+    for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty();
+         frame = nextFrame(options_, clip_)) {
       const PoseEstimate estimate = track(frame);
       reconstructWhenDue(estimate);
       show(frame, estimate);
@@ -50,7 +52,9 @@ class LockstepReplay {
   }
 
   void reconstructWhenDue(const PoseEstimate& estimate) {
-    if (!options_.surface || estimate.state != TrackingState::Tracking || !schedule_.due(estimate.timestamp_s)) return;
+    if (!options_.surface || estimate.state != TrackingState::Tracking ||
+        !schedule_.due(estimate.timestamp_s))
+      return;
     schedule_.surfaceRequested(estimate.timestamp_s);
     if (!reconstruct() || recorder_ == nullptr) return;
     recorder_->compositor().setSurface(result_.surface);
@@ -73,8 +77,8 @@ class LockstepReplay {
 
   void show(const capture::Frame& frame, const PoseEstimate& estimate) {
     if (recorder_ == nullptr) return;
-    recorder_->show(frame, overlayState(estimate, 0), estimate.frame, VideoQueue::WhenFull::Wait,
-                    result_.record.metrics().composite);
+    recorder_->show(frame, overlayState(estimate, estimate.timestamp_s), estimate.frame,
+                    VideoQueue::WhenFull::Wait, result_.record.metrics().composite);
   }
 
   ReplayResult finish(std::int64_t frames) {
@@ -104,7 +108,8 @@ class LockstepReplay {
 
 }  // namespace
 
-ReplayResult replayLockstep(const ReplayOptions& options, ReplayClip& clip, OverlayRecorder* recorder) {
+ReplayResult replayLockstep(const ReplayOptions& options, ReplayClip& clip,
+                            OverlayRecorder* recorder) {
   return LockstepReplay(options, clip, recorder).run();
 }
 

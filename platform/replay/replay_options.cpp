@@ -50,7 +50,8 @@ ReplayOptions parseReplayOptions(Arguments arguments) {
   options.surface = !arguments.flag("--no-surface");
   const auto config = arguments.value("--config");
   const auto overrides = arguments.values("--set");
-  for (const std::string& label : arguments.values("--label")) options.labels.push_back(parseLabelRequest(label));
+  for (const std::string& label : arguments.values("--label"))
+    options.labels.push_back(parseLabelRequest(label));
   arguments.finish();
   if (config) loadConfig(*config, options.settings);
   for (const std::string& assignment : overrides) applyOverride(assignment, options.settings);

@@ -13,12 +13,15 @@ class RealtimeReplay {
         clip_(clip),
         recorder_(recorder),
         labels_(options.labels),
-        gray_(static_cast<std::size_t>(options.camera.width) * static_cast<std::size_t>(options.camera.height)),
-        tracking_(options.camera, slamSettings(options, clip), reconSettings(options), clip.frameCapacity()) {}
+        gray_(static_cast<std::size_t>(options.camera.width) *
+              static_cast<std::size_t>(options.camera.height)),
+        tracking_(options.camera, slamSettings(options, clip), reconSettings(options),
+                  clip.frameCapacity()) {}
 
   ReplayResult run() {
     std::int64_t frames = 0;
-    for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty(); frame = nextFrame(options_, clip_)) {
+    for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty();
+         frame = nextFrame(options_, clip_)) {
       frames = static_cast<std::int64_t>(frame.sequence) + 1;
       offer(frame);
       if (recorder_ != nullptr) show(frame);
@@ -47,18 +50,20 @@ class RealtimeReplay {
     const PoseEstimate estimate = tracking_.newest();
     if (tracking_.takeSurface(surface_)) {
       recorder_->compositor().setSurface(surface_);
-      if (labels_.anchorWaiting(surface_, options_.camera, estimate)) recorder_->compositor().setLabels(labels_.labels());
+      if (labels_.anchorWaiting(surface_, options_.camera, estimate))
+        recorder_->compositor().setLabels(labels_.labels());
     }
-    const double age_s = clip_.time(frame.sequence) - estimate.timestamp_s;
-    recorder_->show(frame, overlayState(estimate, static_cast<float>(1e3 * age_s)),
-                    static_cast<std::int64_t>(frame.sequence), VideoQueue::WhenFull::GiveUp, composite_ms_);
+    recorder_->show(frame, overlayState(estimate, clip_.time(frame.sequence)),
+                    static_cast<std::int64_t>(frame.sequence), VideoQueue::WhenFull::GiveUp,
+                    composite_ms_);
   }
 
   ReplayResult finish(std::int64_t frames) {
     tracking_.stop();
     tracking_.takeSurface(surface_);
     const slam::SlamSystem& slam = tracking_.live().slam();
-    ReplayResult result{std::move(tracking_.record()), {}, std::move(surface_), slam.correctedTrajectory()};
+    ReplayResult result{
+        std::move(tracking_.record()), {}, std::move(surface_), slam.correctedTrajectory()};
     result.record.close();
     slam.copyCloud(result.cloud);
     if (result.surface.map_id != result.cloud.map_id) result.surface.clear();
@@ -85,7 +90,8 @@ class RealtimeReplay {
 
 }  // namespace
 
-ReplayResult replayRealtime(const ReplayOptions& options, ReplayClip& clip, OverlayRecorder* recorder) {
+ReplayResult replayRealtime(const ReplayOptions& options, ReplayClip& clip,
+                            OverlayRecorder* recorder) {
   return RealtimeReplay(options, clip, recorder).run();
 }
 

@@ -34,8 +34,8 @@ void writePose(std::ofstream& out, double timestamp_s, const Pose& T_world_camer
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   const Eigen::Vector3d& t = T_world_camera.t;
   char line[256];
-  std::snprintf(line, sizeof line, "%.6f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", timestamp_s, t.x(), t.y(), t.z(),
-                q.x(), q.y(), q.z(), q.w());
+  std::snprintf(line, sizeof line, "%.6f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", timestamp_s, t.x(),
+                t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
   out << line;
 }
 
@@ -61,19 +61,24 @@ void RunRecord::add(const PoseEstimate& estimate, const slam::StageTimes& times)
 
 void RunRecord::close() {
   const auto allocations = countedAllocations();
-  if (allocations) metrics_.steady_state_allocations = allocations_when_warm_ ? *allocations - *allocations_when_warm_ : 0;
+  if (allocations)
+    metrics_.steady_state_allocations =
+        allocations_when_warm_ ? *allocations - *allocations_when_warm_ : 0;
 }
 
-void writeTrajectory(const std::filesystem::path& path, const std::vector<slam::StampedPose>& poses) {
+void writeTrajectory(const std::filesystem::path& path,
+                     const std::vector<slam::StampedPose>& poses) {
   std::ofstream out(path);
   for (const slam::StampedPose& pose : poses) writePose(out, pose.timestamp_s, pose.T_world_camera);
   closeChecked(out, path);
 }
 
-void writeLiveTrajectory(const std::filesystem::path& path, const std::vector<PoseEstimate>& live, std::uint32_t map_id) {
+void writeLiveTrajectory(const std::filesystem::path& path, const std::vector<PoseEstimate>& live,
+                         std::uint32_t map_id) {
   std::ofstream out(path);
   for (const PoseEstimate& estimate : live)
-    if (estimate.map_id == map_id) writePose(out, estimate.timestamp_s, estimate.T_camera_world.inverse());
+    if (estimate.map_id == map_id)
+      writePose(out, estimate.timestamp_s, estimate.T_camera_world.inverse());
   closeChecked(out, path);
 }
 
@@ -92,7 +97,8 @@ void writeMetrics(const std::filesystem::path& path, const RunMetrics& m) {
             {"surface_triangles", m.surface_triangles},
             {"map_mb", static_cast<double>(m.slam.map_bytes) / (1024.0 * 1024.0)},
             {"peak_rss_mb", peakResidentMb()}};
-  json["steady_state_allocations"] = m.steady_state_allocations ? Json(*m.steady_state_allocations) : Json(nullptr);
+  json["steady_state_allocations"] =
+      m.steady_state_allocations ? Json(*m.steady_state_allocations) : Json(nullptr);
   json["extract_ms"] = stageJson(m.extract);
   json["track_ms"] = stageJson(m.track);
   json["map_ms"] = stageJson(m.map);

@@ -12,23 +12,26 @@ namespace depthscope::platform {
 
 /// What one replay measured; written as metrics.json.
 struct RunMetrics {
-  std::int64_t frames = 0;           // of the clip
-  std::int64_t dropped_frames = 0;   // of these, never tracked because newer ones were there (real time)
+  std::int64_t frames = 0;  // of the clip
+  std::int64_t dropped_frames =
+      0;  // of these, never tracked because newer ones were there (real time)
   std::int64_t tracked_frames = 0;
   std::int64_t first_tracked_frame = -1;
   std::size_t surface_triangles = 0;
-  std::int64_t surfaces = 0;         // reconstructed
+  std::int64_t surfaces = 0;  // reconstructed
   slam::SlamStatistics slam;
   std::optional<std::uint64_t> steady_state_allocations;
   Histogram extract, track, map, reconstruct, composite;
 };
 
-/// Follows tracking frame by frame: counts, times, live poses, and the allocations made by tracking and
-/// mapping since the first map was there.
+/// Follows tracking frame by frame: counts, times, live poses, and the allocations made by tracking
+/// and mapping since the first map was there.
 class RunRecord {
  public:
   /// Room for this many live poses is made at once.
-  explicit RunRecord(std::int64_t expected_frames) { live_.reserve(static_cast<std::size_t>(expected_frames)); }
+  explicit RunRecord(std::int64_t expected_frames) {
+    live_.reserve(static_cast<std::size_t>(expected_frames));
+  }
 
   /// Once after every call of SlamSystem::track().
   void add(const PoseEstimate& estimate, const slam::StageTimes& times);
@@ -47,9 +50,11 @@ class RunRecord {
 };
 
 /// Writes poses in TUM format. Throws std::runtime_error when the file cannot be written.
-void writeTrajectory(const std::filesystem::path& path, const std::vector<slam::StampedPose>& poses);
+void writeTrajectory(const std::filesystem::path& path,
+                     const std::vector<slam::StampedPose>& poses);
 /// The tracked poses of one map. Throws like writeTrajectory.
-void writeLiveTrajectory(const std::filesystem::path& path, const std::vector<PoseEstimate>& live, std::uint32_t map_id);
+void writeLiveTrajectory(const std::filesystem::path& path, const std::vector<PoseEstimate>& live,
+                         std::uint32_t map_id);
 /// Throws std::runtime_error when the file cannot be written.
 void writeMetrics(const std::filesystem::path& path, const RunMetrics& metrics);
 

@@ -10,12 +10,12 @@
 
 namespace depthscope::platform {
 
-/// Tracks in a thread of its own; a picture that is offered while one is tracked replaces the one that
-/// waits (newest frame wins).
+/// Tracks in a thread of its own; a picture that is offered while one is tracked replaces the one
+/// that waits (newest frame wins).
 class TrackingThread {
  public:
-  TrackingThread(const CameraModel& camera, const slam::SlamSettings& slam, const recon::ReconSettings& recon,
-                 std::int64_t expected_frames);
+  TrackingThread(const CameraModel& camera, const slam::SlamSettings& slam,
+                 const recon::ReconSettings& recon, std::int64_t expected_frames);
   ~TrackingThread();
 
   /// Copies the picture. Throws what stopped the thread, if something did.

@@ -32,7 +32,8 @@ std::string controlRequest(const std::string& socket_path, std::string_view line
   const UniqueFd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (!socket.valid()) throw std::system_error(errno, std::generic_category(), "socket");
   if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    throw InputError(socket_path + ": " + std::generic_category().message(errno) + ", expected the socket of a running depthscoped");
+    throw InputError(socket_path + ": " + std::generic_category().message(errno) +
+                     ", expected the socket of a running depthscoped");
   ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &answer_timeout, sizeof answer_timeout);
   const std::string request = std::string(line) + "\n";
   if (sendWithFd(socket.get(), request, attached) != static_cast<ssize_t>(request.size()))
@@ -40,7 +41,8 @@ std::string controlRequest(const std::string& socket_path, std::string_view line
   std::string answer = readAnswer(socket.get());
   while (answer.ends_with('\n')) answer.pop_back();
   if (answer.starts_with("ok")) return answer.size() > 3 ? answer.substr(3) : std::string();
-  throw std::runtime_error(answer.starts_with("error ") ? answer.substr(6) : "the daemon does not answer");
+  throw std::runtime_error(answer.starts_with("error ") ? answer.substr(6)
+                                                        : "the daemon does not answer");
 }
 
 }  // namespace depthscope::platform

@@ -19,8 +19,10 @@ namespace {
 /// Prints the help when asked for; `usage` is the rest of the command line after "depthscope ".
 bool helpWanted(Arguments& arguments, const char* usage, const char* description) {
   if (!arguments.flag("--help")) return false;
-  std::printf("depthscope %s [--socket PATH]\n\n  %s\n  --socket PATH  the daemon's control socket (default %s)\n", usage,
-              description, DaemonSettings().control_socket.c_str());
+  std::printf(
+      "depthscope %s [--socket PATH]\n\n  %s\n  --socket PATH  the daemon's control socket "
+      "(default %s)\n",
+      usage, description, DaemonSettings().control_socket.c_str());
   return true;
 }
 
@@ -30,7 +32,8 @@ std::string socketOption(Arguments& arguments) {
 
 /// A text that fits into one line of the protocol.
 std::string oneLine(std::string text) {
-  if (text.empty() || text.find_first_of("\n\r") != std::string::npos) throw InputError("expected a text of one line");
+  if (text.empty() || text.find_first_of("\n\r") != std::string::npos)
+    throw InputError("expected a text of one line");
   return text;
 }
 
@@ -49,7 +52,8 @@ int statusCommand(Arguments arguments) {
   const std::string answer = controlRequest(socket, "status");
   if (json) return printAnswer(answer);
   for (const auto& [key, value] : nlohmann::ordered_json::parse(answer).items())
-    std::printf("%-22s %s\n", key.c_str(), value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
+    std::printf("%-22s %s\n", key.c_str(),
+                value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
   return 0;
 }
 
@@ -61,7 +65,8 @@ int reconstructCommand(Arguments arguments) {
 }
 
 int overlayCommand(Arguments arguments) {
-  if (helpWanted(arguments, "overlay MODE", "How depth is shown: off, chromadepth or mesh.")) return 0;
+  if (helpWanted(arguments, "overlay MODE", "How depth is shown: off, chromadepth or mesh."))
+    return 0;
   const std::string socket = socketOption(arguments);
   const std::string mode = arguments.positional("a mode: off, chromadepth or mesh");
   arguments.finish();
@@ -69,17 +74,21 @@ int overlayCommand(Arguments arguments) {
 }
 
 int labelCommand(Arguments arguments) {
-  if (helpWanted(arguments, "label TEXT [--at X,Y]", "Fixes TEXT to the tissue seen at pixel X,Y, by default the middle."))
+  if (helpWanted(arguments, "label TEXT [--at X,Y]",
+                 "Fixes TEXT to the tissue seen at pixel X,Y, by default the middle."))
     return 0;
   const std::string socket = socketOption(arguments);
   const auto at = arguments.value("--at");
   const std::string text = arguments.positional("a text");
   arguments.finish();
-  return printAnswer(controlRequest(socket, at ? "label-at " + oneLine(*at) + " " + oneLine(text) : "label " + oneLine(text)));
+  return printAnswer(controlRequest(
+      socket, at ? "label-at " + oneLine(*at) + " " + oneLine(text) : "label " + oneLine(text)));
 }
 
 int snapshotCommand(Arguments arguments) {
-  if (helpWanted(arguments, "snapshot", "Saves the picture as it is shown and prints the file's name.")) return 0;
+  if (helpWanted(arguments, "snapshot",
+                 "Saves the picture as it is shown and prints the file's name."))
+    return 0;
   const std::string socket = socketOption(arguments);
   arguments.finish();
   return printAnswer(controlRequest(socket, "snapshot"));
@@ -90,12 +99,14 @@ int exportCommand(Arguments arguments) {
   const std::string socket = socketOption(arguments);
   const std::filesystem::path file = arguments.positional("a file name");
   arguments.finish();
-  // The file is opened here, with the user's rights, and handed over; a daemon that refuses leaves nothing.
+  // The file is opened here, with the user's rights, and handed over; a daemon that refuses leaves
+  // nothing.
   std::filesystem::path partial = file;
   partial += ".partial";
   const UniqueFd fd(::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
   if (!fd.valid())
-    throw InputError(file.string() + ": cannot be written: " + std::generic_category().message(errno));
+    throw InputError(file.string() +
+                     ": cannot be written: " + std::generic_category().message(errno));
   try {
     const std::string answer = controlRequest(socket, "export", fd.get());
     std::filesystem::rename(partial, file);

@@ -3,8 +3,8 @@
 
 namespace depthscope::platform {
 
-/// Subcommands that talk to the running daemon. All take `--socket PATH`, return the exit status, and throw
-/// InputError or std::runtime_error with one line for the user.
+/// Subcommands that talk to the running daemon. All take `--socket PATH`, return the exit status,
+/// and throw InputError or std::runtime_error with one line for the user.
 int statusCommand(Arguments arguments);
 int reconstructCommand(Arguments arguments);
 int overlayCommand(Arguments arguments);

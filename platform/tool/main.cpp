@@ -32,10 +32,13 @@ constexpr Command commands[] = {
 };
 
 void printHelp() {
-  std::puts("depthscope - depth cues and annotations for monocular endoscopy\n\nUSAGE\n"
-            "  depthscope COMMAND [ARGUMENTS]   (depthscope COMMAND --help says more)\n\nCOMMANDS");
+  std::puts(
+      "depthscope - depth cues and annotations for monocular endoscopy\n\nUSAGE\n"
+      "  depthscope COMMAND [ARGUMENTS]   (depthscope COMMAND --help says more)\n\nCOMMANDS");
   for (const Command& c : commands) std::printf("  %-14s %s\n", c.name.data(), c.summary);
-  std::puts("\nEXIT STATUS\n  0 done; 1 the program failed; 2 bad arguments or files, one line on stderr");
+  std::puts(
+      "\nEXIT STATUS\n  0 done; 1 the program failed; 2 bad arguments or files, one line on "
+      "stderr");
 }
 
 int runTool(int argc, char** argv) {

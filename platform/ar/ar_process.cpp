@@ -1,0 +1,130 @@
+#include "platform/ar/ar_process.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "platform/log.hpp"
+#include "types/error.hpp"
+
+namespace depthscope::platform {
+namespace {
+
+constexpr int heartbeat_ms = 100;            // at the latest
+constexpr int pictures_per_percentile = 30;  // percentiles are worked out this often
+
+SharedMemory attachChecked(ArOptions& options) {
+  SharedMemory memory = SharedMemory::attach(std::move(options.shared_memory));
+  const SharedCapacity& c = memory.capacity();
+  if (options.camera.width != static_cast<int>(c.width) ||
+      options.camera.height != static_cast<int>(c.height))
+    throw InputError("shared memory: pictures of " + std::to_string(c.width) + "x" +
+                     std::to_string(c.height) + ", expected the camera file's size");
+  return memory;
+}
+
+}  // namespace
+
+ArProcess::ArProcess(ArOptions options)
+    : options_(std::move(options)),
+      memory_(attachChecked(options_)),
+      frames_(memory_),
+      surfaces_(memory_),
+      live_(options_.camera, options_.settings.slam, options_.settings.recon),
+      labels_({}),
+      picture_(static_cast<std::size_t>(options_.camera.width) *
+               static_cast<std::size_t>(options_.camera.height)) {
+  reserve(surface_, memory_.capacity());
+}
+
+void ArProcess::run() {
+  publishLabels();
+  publishStatus();
+  for (;;) {
+    pollfd wait[2] = {{options_.commands.get(), POLLIN, 0},
+                      {options_.frame_event.get(), POLLIN, 0}};
+    if (::poll(wait, 2, heartbeat_ms) < 0 && errno != EINTR) return;
+    if (wait[0].revents != 0 && !handleCommands()) return;
+    if (wait[1].revents & POLLIN) {
+      eventfd_t ignored;
+      ::eventfd_read(options_.frame_event.get(), &ignored);
+      handlePicture();
+    }
+    publishStatus();
+  }
+}
+
+/// False when the video process is gone.
+bool ArProcess::handleCommands() {
+  WireCommand wire;
+  for (;;) {
+    const ssize_t got = ::recv(options_.commands.get(), &wire, sizeof wire, MSG_DONTWAIT);
+    if (got < 0) return errno == EAGAIN || errno == EINTR;
+    if (got == 0) return false;
+    WireCommand::Kind kind;
+    LabelRequest label;
+    if (got != static_cast<ssize_t>(sizeof wire) || !decodeCommand(wire, kind, label)) {
+      log(LogPriority::Warning, "command not understood", {{"bytes", got}});
+      continue;
+    }
+    if (kind == WireCommand::Reconstruct) live_.requestSurface();
+    if (kind == WireCommand::Label) labels_.request(std::move(label));
+    if (kind == WireCommand::Reset) reset();
+  }
+}
+
+void ArProcess::reset() {
+  live_.reset();
+  labels_.clear();
+  surface_.clear();
+  publishLabels();
+}
+
+void ArProcess::handlePicture() {
+  if (!frames_.takeNewest(picture_, picture_info_)) return;
+  const int width = options_.camera.width, height = options_.camera.height;
+  estimate_ = live_.track({picture_.data(), width, height, width}, picture_info_.frame,
+                          picture_info_.timestamp_s);
+  memory_.block().pose.write(encodePose(estimate_));
+  track_ms_.add(live_.slam().lastTimes().track_ms);
+  ++status_.tracked_frames;
+  publishSurface();
+  if (labels_.anchorWaiting(surface_, options_.camera, estimate_)) publishLabels();
+  if (status_.tracked_frames % pictures_per_percentile == 1) {
+    status_.track_p50_ms = track_ms_.percentile(0.5);
+    status_.track_p95_ms = track_ms_.percentile(0.95);
+  }
+}
+
+void ArProcess::publishSurface() {
+  if (!live_.takeSurface(surface_)) return;
+  if (!surfaces_.publish(surface_)) {
+    log(LogPriority::Warning, "surface does not fit into shared memory",
+        {{"vertices", surface_.vertices.size()}, {"triangles", surface_.triangles.size()}});
+    return;
+  }
+  ++status_.surfaces;
+  status_.reconstruct_p50_ms = live_.reconstructTimes().percentile(0.5);
+}
+
+void ArProcess::publishLabels() {
+  memory_.block().labels.write(encodeLabels(labels_.labels()));
+}
+
+void ArProcess::publishStatus() {
+  const slam::SlamStatistics s = live_.slam().statistics();
+  ++status_.beats;
+  status_.keyframes = s.keyframes;
+  status_.map_points = s.map_points;
+  status_.maps = s.maps;
+  status_.lost_events = s.lost_events;
+  status_.relocalizations = s.relocalizations;
+  status_.loops_closed = s.loops_closed;
+  status_.dropped_frames = static_cast<std::int64_t>(frames_.skipped());
+  memory_.block().status.write(status_);
+}
+
+}  // namespace depthscope::platform

@@ -1,0 +1,118 @@
+#include "platform/daemon/ar_link.hpp"
+
+#include <sys/eventfd.h>
+
+#include "capture/pixel_convert.hpp"
+
+namespace depthscope::platform {
+
+ArLink::ArLink(const SharedMemory& memory, int frame_event, float max_age_ms)
+    : memory_(memory),
+      frame_event_(frame_event),
+      max_age_ms_(max_age_ms),
+      frames_(memory),
+      surfaces_(memory) {
+  reserve(surface_, memory.capacity());
+  labels_.reserve(max_wire_labels);
+  for (std::size_t i = 0; i < max_wire_labels; ++i)
+    labels_.emplace_back().text.reserve(max_label_bytes);
+}
+
+void ArLink::setAlive(bool alive) {
+  const std::uint32_t starts = starts_.load(std::memory_order_relaxed);
+  if ((starts % 2 == 1) != alive) starts_.store(starts + 1, std::memory_order_release);
+}
+
+void ArLink::publish(const capture::Frame& frame, std::vector<std::uint8_t>& gray) {
+  const SharedCapacity& c = memory_.capacity();
+  if (frame.format.width != static_cast<int>(c.width) ||
+      frame.format.height != static_cast<int>(c.height))
+    return;
+  GrayView luma = frame.luma();
+  if (luma.empty()) {
+    capture::toGray(frame, gray);
+    luma = {gray.data(), frame.format.width, frame.format.height, frame.format.width};
+  }
+  const auto index = static_cast<std::int64_t>(frame.sequence);
+  published_.add(index, frame.capture_time);
+  frames_.publish(luma, {index, frame.media_time_s});
+  // The counter cannot overflow before the AR process was dead for ages; a full one needs no
+  // waking.
+  ::eventfd_write(frame_event_, 1);
+}
+
+/// The map ids of another process mean other maps.
+void ArLink::forget(overlay::Compositor& compositor) {
+  surfaces_.takeNewest(surface_);
+  surface_.clear();
+  labels_.clear();
+  compositor.setSurface(surface_);
+  compositor.setLabels(labels_);
+}
+
+void ArLink::update(overlay::Compositor& compositor) {
+  const std::uint32_t starts = starts_.load(std::memory_order_acquire);
+  if (starts != starts_seen_) {
+    starts_seen_ = starts;
+    forget(compositor);
+  }
+  if (starts % 2 == 0) return;
+  switch (surfaces_.takeNewest(surface_)) {
+    case SurfaceMailboxReader::Result::Taken:
+      compositor.setSurface(surface_);
+      break;
+    case SurfaceMailboxReader::Result::Rejected:
+      ++rejected_;
+      break;
+    case SurfaceMailboxReader::Result::Nothing:
+      break;
+  }
+  std::uint64_t count = 0;
+  if (!memory_.block().labels.read(wire_labels_, &count) || count == labels_seen_) return;
+  labels_seen_ = count;
+  if (decodeLabels(wire_labels_, labels_))
+    compositor.setLabels(labels_);
+  else
+    ++rejected_;
+}
+
+overlay::OverlayState ArLink::state(PublishedFrames::Time captured) {
+  overlay::OverlayState state;
+  state.time_s = std::chrono::duration<double>(captured.time_since_epoch()).count();
+  if (starts_seen_ % 2 == 0) return state;
+  WirePose wire;
+  PoseEstimate pose;
+  state.status = overlay::Status::Initializing;
+  if (!memory_.block().pose.read(wire)) return state;
+  if (!decodePose(wire, pose)) {
+    ++rejected_;
+    state.status = overlay::Status::Stale;
+    return state;
+  }
+  const auto pose_time = published_.captured(pose.frame);
+  const float age_ms = pose_time
+                           ? std::chrono::duration<float, std::milli>(captured - *pose_time).count()
+                           : max_age_ms_ + 1;
+  // A pose of a picture yet to come cannot be: that too is none to draw with.
+  if (age_ms < 0 || age_ms > max_age_ms_) {
+    state.status = overlay::Status::Stale;
+    return state;
+  }
+  switch (pose.state) {
+    case TrackingState::Initializing:
+      return state;
+    case TrackingState::Lost:
+      state.status = overlay::Status::Lost;
+      return state;
+    case TrackingState::Tracking:
+      break;
+  }
+  state.status = overlay::Status::Tracking;
+  state.T_camera_world = pose.T_camera_world;
+  state.map_id = pose.map_id;
+  state.confidence = pose.confidence;
+  state.age_ms = age_ms;
+  return state;
+}
+
+}  // namespace depthscope::platform

@@ -1,0 +1,53 @@
+#pragma once
+#include <atomic>
+#include <vector>
+
+#include "capture/frame.hpp"
+#include "overlay/compositor.hpp"
+#include "platform/daemon/published_frames.hpp"
+#include "platform/ipc/frame_ring.hpp"
+#include "platform/ipc/surface_mailbox.hpp"
+
+namespace depthscope::platform {
+
+/// The video loop's end of the shared memory: gives pictures to the AR process and turns what comes
+/// back, checked, into the overlay's state. Never waits for the AR process. From one thread, but
+/// for setAlive().
+class ArLink {
+ public:
+  /// `frame_event`: eventfd that wakes the AR process. `max_age_ms`: an older pose is not drawn
+  /// with.
+  ArLink(const SharedMemory& memory, int frame_event, float max_age_ms);
+
+  /// From any thread: whether an AR process runs. Each time one stops, its surface and labels are
+  /// forgotten.
+  void setAlive(bool alive);
+
+  /// Hands a picture to the AR process. `gray` is scratch for formats without a luma plane.
+  void publish(const capture::Frame& frame, std::vector<std::uint8_t>& gray);
+  /// Brings the compositor's surface and labels up to date.
+  void update(overlay::Compositor& compositor);
+  /// How to draw over a picture captured at `captured`.
+  overlay::OverlayState state(PublishedFrames::Time captured);
+
+  /// Things that the AR process sent and that did not pass the checks.
+  std::uint64_t rejected() const { return rejected_; }
+
+ private:
+  void forget(overlay::Compositor& compositor);
+
+  const SharedMemory& memory_;
+  int frame_event_;
+  float max_age_ms_;
+  FrameRingWriter frames_;
+  SurfaceMailboxReader surfaces_;
+  PublishedFrames published_;
+  std::atomic<std::uint32_t> starts_{0};  // odd: alive
+  std::uint32_t starts_seen_ = 0;
+  std::uint64_t labels_seen_ = 0, rejected_ = 0;
+  WireLabels wire_labels_{};
+  std::vector<Label> labels_;
+  SurfaceMesh surface_;
+};
+
+}  // namespace depthscope::platform

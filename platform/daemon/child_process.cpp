@@ -1,0 +1,85 @@
+#include "platform/daemon/child_process.hpp"
+
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <system_error>
+
+extern char** environ;
+
+namespace depthscope::platform {
+namespace {
+
+void check(int code, const char* what) {
+  if (code != 0) throw std::system_error(code, std::generic_category(), what);
+}
+
+/// posix_spawn's two option objects, freed with the scope.
+struct SpawnOptions {
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  SpawnOptions() {
+    check(posix_spawn_file_actions_init(&files), "posix_spawn");
+    check(posix_spawnattr_init(&attributes), "posix_spawn");
+  }
+  ~SpawnOptions() {
+    posix_spawn_file_actions_destroy(&files);
+    posix_spawnattr_destroy(&attributes);
+  }
+  SpawnOptions(const SpawnOptions&) = delete;
+  SpawnOptions& operator=(const SpawnOptions&) = delete;
+};
+
+}  // namespace
+
+ChildProcess::ChildProcess(const std::vector<std::string>& arguments,
+                           std::span<const std::pair<int, int>> descriptors) {
+  SpawnOptions options;
+  for (const auto& [ours, theirs] : descriptors)
+    check(posix_spawn_file_actions_adddup2(&options.files, ours, theirs), "posix_spawn");
+  sigset_t none, all;
+  sigemptyset(&none);
+  sigfillset(&all);
+  check(posix_spawnattr_setsigmask(&options.attributes, &none), "posix_spawn");
+  check(posix_spawnattr_setsigdefault(&options.attributes, &all), "posix_spawn");
+  check(
+      posix_spawnattr_setflags(&options.attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF),
+      "posix_spawn");
+  std::vector<char*> words;
+  for (const std::string& argument : arguments)
+    words.push_back(const_cast<char*>(argument.c_str()));
+  words.push_back(nullptr);
+  check(posix_spawn(&pid_, words[0], &options.files, &options.attributes, words.data(), environ),
+        arguments[0].c_str());
+}
+
+ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
+  if (this != &other) {
+    kill();
+    pid_ = std::exchange(other.pid_, -1);
+  }
+  return *this;
+}
+
+bool ChildProcess::ended(int& status) {
+  if (pid_ <= 0 || ::waitpid(pid_, &status, WNOHANG) != pid_) return false;
+  pid_ = -1;
+  return true;
+}
+
+void ChildProcess::kill() {
+  if (pid_ <= 0) return;
+  ::kill(pid_, SIGKILL);
+  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  pid_ = -1;
+}
+
+std::string describeEnd(int status) {
+  if (WIFSIGNALED(status)) return "signal " + std::to_string(WTERMSIG(status));
+  return "exit status " + std::to_string(WEXITSTATUS(status));
+}
+
+}  // namespace depthscope::platform

@@ -1,0 +1,37 @@
+#pragma once
+#include <sys/types.h>
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace depthscope::platform {
+
+/// A running child process, killed and reaped at the latest by the destructor.
+class ChildProcess {
+ public:
+  ChildProcess() = default;
+  /// Starts `arguments[0]` with the given descriptors at the given numbers, signals at their
+  /// defaults. Throws std::system_error.
+  ChildProcess(const std::vector<std::string>& arguments,
+               std::span<const std::pair<int, int>> descriptors);
+  ChildProcess(ChildProcess&& other) noexcept : pid_(std::exchange(other.pid_, -1)) {}
+  ChildProcess& operator=(ChildProcess&& other) noexcept;
+  ~ChildProcess() { kill(); }
+
+  bool running() const { return pid_ > 0; }
+  pid_t pid() const { return pid_; }
+  /// Reaps the child if it ended: true once, and `status` as waitpid(2) gives it.
+  bool ended(int& status);
+  /// SIGKILL and wait.
+  void kill();
+
+ private:
+  pid_t pid_ = -1;
+};
+
+/// "exit status 1", "signal 9".
+std::string describeEnd(int wait_status);
+
+}  // namespace depthscope::platform

@@ -1,0 +1,192 @@
+#include "platform/daemon/control_requests.hpp"
+
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "capture/frame_source.hpp"
+#include "overlay/compositor.hpp"
+#include "platform/config/config_file.hpp"
+#include "platform/ipc/surface_mailbox.hpp"
+#include "platform/ply_writer.hpp"
+#include "platform/png_writer.hpp"
+#include "platform/utf8.hpp"
+#include "types/error.hpp"
+
+namespace depthscope::platform {
+namespace {
+
+constexpr std::string_view no_ar = "error no AR process runs at the moment";
+
+const char* overlayStatusName(std::uint8_t status) {
+  switch (static_cast<overlay::Status>(status)) {
+    case overlay::Status::NoAr:
+      return "no AR";
+    case overlay::Status::Initializing:
+      return "initializing";
+    case overlay::Status::Tracking:
+      return "tracking";
+    case overlay::Status::Lost:
+      return "lost";
+    case overlay::Status::Stale:
+      return "stale";
+    case overlay::Status::NoSignal:
+      return "no signal";
+  }
+  return "unknown";
+}
+
+bool writeAll(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
+    if (written <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+}  // namespace
+
+ControlRequests::ControlRequests(Settings settings, const CameraModel& camera,
+                                 const SharedMemory& memory, ArSupervisor& ar, VideoRequests& video,
+                                 const VideoReport& report)
+    : settings_(std::move(settings)),
+      camera_(camera),
+      memory_(memory),
+      ar_(ar),
+      video_(video),
+      report_(report) {}
+
+std::string ControlRequests::handle(std::string_view line, UniqueFd attached) {
+  const auto space = line.find(' ');
+  const std::string_view verb = line.substr(0, space);
+  const std::string_view rest =
+      space == std::string_view::npos ? std::string_view() : line.substr(space + 1);
+  if (verb == "status") return "ok " + status();
+  if (verb == "reconstruct") return command(encodeCommand(WireCommand::Reconstruct));
+  if (verb == "reset") return command(encodeCommand(WireCommand::Reset));
+  if (verb == "label") return label(rest, {camera_.width / 2.0, camera_.height / 2.0});
+  if (verb == "label-at") return labelAt(rest);
+  if (verb == "overlay") return overlay(rest);
+  if (verb == "snapshot") return snapshot();
+  if (verb == "export") return exportSurface(std::move(attached));
+  return "error unknown request";
+}
+
+std::string ControlRequests::command(const WireCommand& command) {
+  return ar_.send(command) ? "ok" : std::string(no_ar);
+}
+
+std::string ControlRequests::label(std::string_view text, const Eigen::Vector2d& pixel) {
+  if (text.empty() || text.size() >= max_label_bytes || !isPrintableUtf8(text))
+    return "error expected a text of 1 to " + std::to_string(max_label_bytes - 1) + " bytes, UTF-8";
+  return command(encodeCommand(WireCommand::Label, {std::string(text), pixel}));
+}
+
+std::string ControlRequests::labelAt(std::string_view rest) {
+  const auto space = rest.find(' ');
+  if (space == std::string_view::npos) return "error expected X,Y TEXT";
+  try {
+    const LabelRequest request = parseLabelRequest(std::string(rest.substr(space + 1)) + "@" +
+                                                   std::string(rest.substr(0, space)));
+    const Eigen::Vector2d& p = request.pixel;
+    if (p.x() < 0 || p.y() < 0 || p.x() >= camera_.width || p.y() >= camera_.height)
+      return "error expected a place inside the picture of " + std::to_string(camera_.width) + "x" +
+             std::to_string(camera_.height);
+    return label(request.text, p);
+  } catch (const InputError&) {
+    return "error expected X,Y in pixels";
+  }
+}
+
+std::string ControlRequests::overlay(std::string_view mode) {
+  try {
+    applyOverride("overlay.cue=" + std::string(mode), settings_);
+  } catch (const InputError& error) {
+    return std::string("error ") + error.what();
+  }
+  video_.setOverlay(settings_.overlay);
+  return "ok";
+}
+
+std::string ControlRequests::snapshot() {
+  const auto picture = video_.snapshot();
+  if (!picture) return "error no picture came within a second";
+  const std::filesystem::path folder = settings_.daemon.state_dir;
+  char name[64];
+  std::tm utc{};
+  const std::time_t now = std::time(nullptr);
+  ::gmtime_r(&now, &utc);
+  std::strftime(name, sizeof name, "snapshot-%Y%m%dT%H%M%SZ", &utc);
+  try {
+    std::filesystem::create_directories(folder);
+    std::filesystem::path file = folder / (std::string(name) + ".png");
+    for (int i = 2; std::filesystem::exists(file); ++i)
+      file = folder / (std::string(name) + "-" + std::to_string(i) + ".png");
+    writePng(file, {picture->pixels.data(), picture->width, picture->height, picture->width * 4});
+    return "ok " + file.string();
+  } catch (const std::exception& error) {
+    return std::string("error ") + error.what();
+  }
+}
+
+std::string ControlRequests::exportSurface(UniqueFd file) const {
+  struct stat info {};
+  // Only a regular file is sure not to hold the service up.
+  if (!file.valid() || ::fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode))
+    return "error expected an open file";
+  SurfaceMesh mesh;
+  SurfaceMailboxReader reader(memory_);
+  if (reader.takeNewest(mesh) != SurfaceMailboxReader::Result::Taken || mesh.empty())
+    return "error there is no surface yet";
+  std::ostringstream ply;
+  writePly(ply, mesh);
+  if (!writeAll(file.get(), ply.view())) return "error the file cannot be written";
+  return "ok " + std::to_string(mesh.triangles.size()) + " triangles";
+}
+
+std::string ControlRequests::status() const {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  nlohmann::ordered_json json{
+      {"version", DEPTHSCOPE_VERSION},
+      {"uptime_s",
+       std::floor(
+           std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count())},
+      {"source", toString(static_cast<capture::SourceStatus>(report_.source_status.load()))},
+      {"overlay", overlayStatusName(report_.overlay_status.load())},
+      {"frames_shown", report_.frames.load()},
+      {"frames_skipped", report_.skipped.load()},
+      {"frames_given_up", report_.given_up.load()},
+      {"frames_tracked", report_.tracked.load()},
+      {"fault_pictures", report_.faults.load()},
+      {"composite_p50_ms", report_.composite_p50_ms.load()},
+      {"composite_p99_ms", report_.composite_p99_ms.load()},
+      {"peak_rss_mb", static_cast<double>(usage.ru_maxrss) / 1024.0},
+      {"ar_alive", ar_.alive()},
+      {"ar_pid", ar_.pid()},
+      {"ar_restarts", ar_.restarts()},
+      {"ar_rejected", report_.rejected.load()}};
+  WireArStatus ar;
+  if (ar_.alive() && memory_.block().status.read(ar) && plausible(ar)) {
+    json["keyframes"] = ar.keyframes;
+    json["map_points"] = ar.map_points;
+    json["maps"] = ar.maps;
+    json["lost_events"] = ar.lost_events;
+    json["relocalizations"] = ar.relocalizations;
+    json["loops_closed"] = ar.loops_closed;
+    json["surfaces"] = ar.surfaces;
+    json["ar_dropped_frames"] = ar.dropped_frames;
+    json["track_p50_ms"] = ar.track_p50_ms;
+    json["track_p95_ms"] = ar.track_p95_ms;
+    json["reconstruct_p50_ms"] = ar.reconstruct_p50_ms;
+  }
+  return json.dump();
+}
+
+}  // namespace depthscope::platform

@@ -1,0 +1,41 @@
+#pragma once
+#include <chrono>
+#include <string>
+#include <string_view>
+
+#include "platform/config/settings.hpp"
+#include "platform/daemon/ar_supervisor.hpp"
+#include "platform/daemon/video_report.hpp"
+#include "platform/daemon/video_requests.hpp"
+
+namespace depthscope::platform {
+
+/// Carries out what comes in on the control socket. All references outlive it. From the service's
+/// thread.
+class ControlRequests {
+ public:
+  ControlRequests(Settings settings, const CameraModel& camera, const SharedMemory& memory,
+                  ArSupervisor& ar, VideoRequests& video, const VideoReport& report);
+
+  /// "ok", "ok TEXT" or "error WHY".
+  std::string handle(std::string_view line, UniqueFd attached);
+
+ private:
+  std::string status() const;
+  std::string command(const WireCommand& command);
+  std::string label(std::string_view text, const Eigen::Vector2d& pixel);
+  std::string labelAt(std::string_view rest);
+  std::string overlay(std::string_view mode);
+  std::string snapshot();
+  std::string exportSurface(UniqueFd file) const;
+
+  Settings settings_;
+  CameraModel camera_;
+  const SharedMemory& memory_;
+  ArSupervisor& ar_;
+  VideoRequests& video_;
+  const VideoReport& report_;
+  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace depthscope::platform

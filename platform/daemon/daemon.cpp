@@ -1,0 +1,150 @@
+#include "platform/daemon/daemon.hpp"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <systemd/sd-daemon.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+#include "capture/file_source.hpp"
+#include "platform/camera_file.hpp"
+#include "platform/daemon/real_time.hpp"
+#include "platform/log.hpp"
+
+namespace depthscope::platform {
+namespace {
+
+constexpr int tick_ms = 50;
+
+UniqueFd makeSignals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&set, signal);
+  ::pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+  UniqueFd fd(::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
+  if (!fd.valid()) throw std::system_error(errno, std::generic_category(), "signalfd");
+  return fd;
+}
+
+UniqueFd makeEvent() {
+  UniqueFd fd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!fd.valid()) throw std::system_error(errno, std::generic_category(), "eventfd");
+  return fd;
+}
+
+std::unique_ptr<capture::FrameSource> openSource(const DaemonOptions& options) {
+  const CaptureSettings& capture = options.settings.capture;
+  capture::FileSourceSettings settings;
+  settings.path = capture.input;
+  settings.pacing = capture::FileSourceSettings::Pacing::Clip;
+  settings.loop = capture.loop;
+  settings.fps = options.camera.fps;
+  settings.buffers = capture.buffers;
+  if (!capture.faults.empty()) settings.faults = capture::loadFaultScript(capture.faults);
+  auto source = capture::openFileSource(settings);
+  requireSize(options.camera, capture.camera, source->format().width, source->format().height);
+  return source;
+}
+
+SharedCapacity capacity(const DaemonOptions& options) {
+  return {static_cast<std::uint32_t>(options.camera.width),
+          static_cast<std::uint32_t>(options.camera.height),
+          static_cast<std::uint32_t>(options.settings.daemon.max_vertices),
+          static_cast<std::uint32_t>(options.settings.daemon.max_triangles)};
+}
+
+std::vector<std::string> arCommand(const DaemonOptions& options) {
+  std::string program = options.settings.daemon.ar_program;
+  if (program.empty())
+    program = std::filesystem::read_symlink("/proc/self/exe").replace_filename("depthscope-ar");
+  std::vector<std::string> command{program};
+  command.insert(command.end(), options.ar_arguments.begin(), options.ar_arguments.end());
+  return command;
+}
+
+}  // namespace
+
+Daemon::Daemon(const DaemonOptions& options)
+    : options_(options),
+      signals_(makeSignals()),
+      frame_event_(makeEvent()),
+      source_(openSource(options)),
+      fps_(source_->fps() > 0 ? source_->fps() : 30),
+      memory_(SharedMemory::create(capacity(options))),
+      display_(
+          makeDisplay(options.settings.display, options.camera.width, options.camera.height, fps_)),
+      link_(memory_, frame_event_.get(), options.settings.overlay.max_age_ms),
+      ar_(arCommand(options), memory_, frame_event_.get(), options.settings.daemon),
+      control_requests_(options.settings, options.camera, memory_, ar_, video_requests_, report_),
+      control_(options.settings.daemon.control_socket,
+               [this](std::string_view line, UniqueFd attached) {
+                 return control_requests_.handle(line, std::move(attached));
+               }) {}
+
+void Daemon::run() {
+  if (options_.settings.daemon.lock_memory) lockMemory();
+  VideoThread video(
+      [this] {
+        return std::make_unique<VideoLoop>(*source_, options_.camera, options_.settings.overlay,
+                                           *display_, link_, video_requests_, report_);
+      },
+      options_.settings.daemon.realtime_priority, report_);
+  ::sd_watchdog_enabled(0, &watchdog_us_);
+  ::sd_notify(0, "READY=1");
+  log(LogPriority::Info, "started", {{"input", options_.settings.capture.input}, {"fps", fps_}});
+  serviceLoop();
+  ::sd_notify(0, "STOPPING=1");
+  video.stop();
+  logEnd();
+}
+
+void Daemon::serviceLoop() {
+  for (;;) {
+    pollfd wait[2] = {{signals_.get(), POLLIN, 0}, {control_.fd(), POLLIN, 0}};
+    ::poll(wait, 2, tick_ms);
+    if (wait[0].revents != 0 && !handleSignals()) return;
+    if (report_.ended.load(std::memory_order_acquire)) return;
+    ar_.tick(std::chrono::steady_clock::now());
+    link_.setAlive(ar_.alive());
+    if (wait[1].revents != 0) control_.serve();
+    feedWatchdog();
+  }
+}
+
+/// False when the daemon is to stop.
+bool Daemon::handleSignals() {
+  signalfd_siginfo info;
+  while (::read(signals_.get(), &info, sizeof info) == static_cast<ssize_t>(sizeof info)) {
+    if (info.ssi_signo != SIGHUP) return false;
+    log(LogPriority::Notice,
+        "SIGHUP: the configuration is read at start only, restart to change it");
+  }
+  return true;
+}
+
+/// Tells systemd that all is well as long as the video loop turns.
+void Daemon::feedWatchdog() {
+  if (watchdog_us_ == 0) return;
+  const auto now = std::chrono::steady_clock::now();
+  const std::uint64_t loops = report_.loops.load(std::memory_order_relaxed);
+  if (loops == loops_seen_ || now - last_fed_ < std::chrono::microseconds(watchdog_us_ / 4)) return;
+  loops_seen_ = loops;
+  last_fed_ = now;
+  ::sd_notify(0, "WATCHDOG=1");
+}
+
+void Daemon::logEnd() const {
+  log(LogPriority::Info, "stopped",
+      {{"frames", report_.frames.load()},
+       {"skipped", report_.skipped.load()},
+       {"given_up", report_.given_up.load()},
+       {"tracked", report_.tracked.load()},
+       {"ar_restarts", ar_.restarts()}});
+}
+
+}  // namespace depthscope::platform

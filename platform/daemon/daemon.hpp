@@ -1,0 +1,47 @@
+#pragma once
+#include <memory>
+
+#include "capture/frame_source.hpp"
+#include "platform/daemon/ar_link.hpp"
+#include "platform/daemon/ar_supervisor.hpp"
+#include "platform/daemon/control_requests.hpp"
+#include "platform/daemon/control_server.hpp"
+#include "platform/daemon/daemon_options.hpp"
+#include "platform/daemon/video_thread.hpp"
+#include "platform/display/display.hpp"
+
+namespace depthscope::platform {
+
+/// The video process: the video loop in a thread of its own, and beside it, in the calling thread,
+/// the service: signals, the AR process, the control socket, systemd.
+class Daemon {
+ public:
+  /// Blocks the signals that the service waits for, so it comes before any thread. Throws
+  /// InputError and std::system_error.
+  explicit Daemon(const DaemonOptions& options);
+  /// Until a signal or the clip's end. Throws what ended the video loop, if something did.
+  void run();
+
+ private:
+  void serviceLoop();
+  bool handleSignals();
+  void feedWatchdog();
+  void logEnd() const;
+
+  const DaemonOptions options_;
+  UniqueFd signals_, frame_event_;
+  std::unique_ptr<capture::FrameSource> source_;
+  double fps_;
+  SharedMemory memory_;
+  std::unique_ptr<Display> display_;
+  ArLink link_;
+  ArSupervisor ar_;
+  VideoReport report_;
+  VideoRequests video_requests_;
+  ControlRequests control_requests_;
+  ControlServer control_;
+  std::uint64_t watchdog_us_ = 0, loops_seen_ = 0;
+  std::chrono::steady_clock::time_point last_fed_{};
+};
+
+}  // namespace depthscope::platform

@@ -1,0 +1,55 @@
+#include "platform/daemon/daemon_options.hpp"
+
+#include <filesystem>
+
+#include "platform/camera_file.hpp"
+#include "platform/config/config_file.hpp"
+#include "types/error.hpp"
+
+namespace depthscope::platform {
+
+const char* const daemon_help =
+    R"(depthscoped - the picture from tower to monitor, with depth cues drawn over it
+
+SYNOPSIS
+  depthscoped --config FILE [--set section.key=value]...
+  depthscoped --check FILE | --print-config | --version | --help
+
+DESCRIPTION
+  Captures, composites and shows pictures; starts depthscope-ar, which tracks and reconstructs, and starts
+  it again whenever it ends. The picture never waits for it. Stops on SIGTERM and SIGINT.
+
+OPTIONS
+  --config FILE   configuration (TOML)
+  --set KEY=VALUE one setting, after the configuration; may be repeated
+  --check FILE    only checks a configuration: names what is wrong by file, line and key
+  --print-config  prints every key with its default, meaning and range
+
+EXIT STATUS
+  0  stopped as asked, or the clip is over and capture.loop is false
+  1  the program failed
+  2  bad arguments or files; one line on stderr says which and what was expected
+)";
+
+DaemonOptions parseDaemonOptions(Arguments arguments) {
+  DaemonOptions options;
+  const std::string config = arguments.required("--config");
+  const auto overrides = arguments.values("--set");
+  arguments.finish();
+  loadConfig(config, options.settings);
+  for (const std::string& assignment : overrides) applyOverride(assignment, options.settings);
+  const CaptureSettings& capture = options.settings.capture;
+  if (capture.input.empty())
+    throw InputError(config +
+                     ": capture.input: is missing, expected a video file or folder of images");
+  if (capture.camera.empty())
+    throw InputError(config + ": capture.camera: is missing, expected a camera file");
+  options.camera = loadCameraFile(capture.camera);
+  if (capture.fps > 0) options.camera.fps = capture.fps;
+  options.ar_arguments = {"--config", config, "--camera", capture.camera};
+  for (const std::string& assignment : overrides)
+    options.ar_arguments.insert(options.ar_arguments.end(), {"--set", assignment});
+  return options;
+}
+
+}  // namespace depthscope::platform

@@ -1,0 +1,36 @@
+#pragma once
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+namespace depthscope::platform {
+
+/// Remembers when the last pictures given to the AR process were captured, so that a pose's age is
+/// worked out from what the video process itself knows, not from a time that the AR process tells.
+class PublishedFrames {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  void add(std::int64_t frame, Time captured) {
+    Entry& entry = entries_[slot(frame)];
+    entry = {frame, captured};
+  }
+  /// Capture time of a frame, or nothing when it was never published or is long past.
+  std::optional<Time> captured(std::int64_t frame) const {
+    if (frame < 0) return std::nullopt;
+    const Entry& entry = entries_[slot(frame)];
+    if (entry.frame != frame) return std::nullopt;
+    return entry.captured;
+  }
+
+ private:
+  struct Entry {
+    std::int64_t frame = -1;
+    Time captured;
+  };
+  static std::size_t slot(std::int64_t frame) { return static_cast<std::size_t>(frame) % 64; }
+  std::array<Entry, 64> entries_{};
+};
+
+}  // namespace depthscope::platform

@@ -1,0 +1,12 @@
+# Fails when PROGRAM needs, itself or by way of its libraries, anything of OpenCV or PCL.
+find_program(READELF readelf REQUIRED)
+execute_process(COMMAND ${READELF} --dynamic ${PROGRAM} OUTPUT_VARIABLE direct COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ldd ${PROGRAM} OUTPUT_VARIABLE all COMMAND_ERROR_IS_FATAL ANY)
+if(NOT direct MATCHES "NEEDED.*libavformat")
+  message(FATAL_ERROR "${PROGRAM}: no list of needed libraries found, the check is void")
+endif()
+foreach(library opencv pcl_ boost vtk)
+  if(direct MATCHES "NEEDED[^\n]*lib${library}[^\n]*" OR (library MATCHES "opencv|pcl_" AND all MATCHES "lib${library}[^\n]*"))
+    message(FATAL_ERROR "${PROGRAM} needs ${CMAKE_MATCH_0}")
+  endif()
+endforeach()

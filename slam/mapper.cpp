@@ -120,7 +120,7 @@ void Mapper::process(const KeyframeRequest& request) {
   window_.push_back(id);
   bundle_.adjust(window_, settings_.mapper.iterations,
                  mode_ == MappingMode::Threaded ? &interrupt_ : nullptr);
-  culler_.cullKeyframes(bestNeighbours(id, settings_.capacity.keyframes));
+  culler_.cullKeyframes(bestNeighbours(id, 2 * settings_.mapper.window_keyframes));
   map_ms_ =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
@@ -131,7 +131,7 @@ KeyframeId Mapper::insert(const KeyframeRequest& request) {
                                          request.timestamp_s);
   for (int f = 0; f < request.features.size(); ++f) {
     const PointId p = map_.resolve(request.points[f]);
-    if (p != kNone && map_.observe(p, id, f)) map_.refreshPoint(p);
+    if (p != kNone && map_.observe(p, id, f)) map_.refreshGeometry(p);
   }
   return id;
 }

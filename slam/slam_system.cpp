@@ -12,11 +12,13 @@ namespace depthscope::slam {
 
 struct SlamSystem::Impl {
   Impl(const CameraModel& camera, const SlamSettings& settings, MappingMode mapping_mode)
-      : map(settings, camera),
+      : mode(mapping_mode),
+        map(settings, camera),
         trajectory(settings.trajectory_frames),
         mapper(settings, camera, map, trajectory, mapping_mode),
         tracker(camera, settings, map, mapper, trajectory) {}
 
+  MappingMode mode;
   Map map;
   Trajectory trajectory;
   Mapper mapper;
@@ -32,10 +34,13 @@ SlamSystem::~SlamSystem() = default;
 PoseEstimate SlamSystem::track(const GrayView& image, std::int64_t frame, double timestamp_s) {
   const auto start = std::chrono::steady_clock::now();
   const PoseEstimate estimate = impl_->tracker.track(image, frame, timestamp_s);
-  impl_->times.track_ms =
+  const double whole_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   impl_->times.extract_ms = impl_->tracker.lastExtractMs();
   impl_->times.map_ms = impl_->mapper.takeMapMs();
+  // In lockstep the mapper worked within the call.
+  const bool mapped_here = impl_->mode == MappingMode::Lockstep && impl_->times.map_ms > 0;
+  impl_->times.track_ms = whole_ms - (mapped_here ? impl_->times.map_ms : 0);
   return estimate;
 }
 

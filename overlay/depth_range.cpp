@@ -6,9 +6,9 @@
 namespace depthscope::overlay {
 namespace {
 
-constexpr double kEasing_s = 0.8;       // time constant
-constexpr std::size_t kTail = 33;       // one in so many is ignored at either end
-constexpr std::size_t kMinInView = 16;  // fewer say nothing about the range
+constexpr double kEasing_s = 0.8;      // time constant
+constexpr std::size_t kTail = 33;      // one in so many is ignored at either end
+constexpr std::size_t kMinInView = 4;  // fewer say nothing about the range
 constexpr float kMinSpan =
     0.15f;  // of the mean depth, so that a flat wall is not painted in all colours
 

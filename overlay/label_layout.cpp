@@ -13,6 +13,7 @@ constexpr float kDirections[8][2] = {{1, -1}, {-1, -1}, {1, 1}, {-1, 1},
                                      {0, -1}, {0, 1},   {1, 0}, {-1, 0}};
 constexpr float kDistances[] = {0.9f, 2.0f, 3.4f};  // of the text's height
 constexpr int kSlots = 24;
+constexpr float kGap = 0.2f;  // between texts, of the text's height
 
 AlignedBox2f boxInSlot(const LabelItem& item, int slot) {
   const float* d = kDirections[slot % 8];
@@ -31,8 +32,10 @@ bool overlap(const AlignedBox2f& a, const AlignedBox2f& b) {
 
 void placeLabels(std::span<LabelItem> items, const AlignedBox2f& picture,
                  std::span<const AlignedBox2f> obstacles) {
-  const auto isFree = [&](std::size_t i, const AlignedBox2f& box) {
-    if (!picture.contains(box)) return false;
+  const auto isFree = [&](std::size_t i, const AlignedBox2f& text) {
+    if (!picture.contains(text)) return false;
+    const Vector2f gap = Vector2f::Constant(kGap * items[i].size.y());
+    const AlignedBox2f box(text.min() - gap, text.max() + gap);
     for (const AlignedBox2f& o : obstacles)
       if (overlap(box, o)) return false;
     for (std::size_t j = 0; j < items.size(); ++j) {

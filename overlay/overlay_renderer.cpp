@@ -56,7 +56,7 @@ void OverlayRenderer::setSettings(const OverlaySettings& settings) {
 }
 
 void OverlayRenderer::setSurface(const SurfaceMesh& mesh) {
-  if (context_.makeCurrent()) surfaces_.set(mesh, camera_.hasDistortion(), settings_);
+  if (context_.makeCurrent()) surfaces_.set(mesh, settings_);
 }
 
 void OverlayRenderer::setLabels(std::span<const Label> labels) {

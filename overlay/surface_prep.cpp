@@ -10,7 +10,7 @@ namespace depthscope::overlay {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr float kMaxEdge = 1.0f / 40;          // of the diagonal, under a lens with distortion
+constexpr float kMaxEdge = 1.0f / 40;          // of the diagonal
 constexpr std::size_t kMaxTriangles = 400000;  // cutting stops here
 constexpr std::size_t kSamples = 2048;         // for the range of depths
 constexpr int kBorderRounds = 24;              // rings of triangles the border's fade may reach
@@ -32,7 +32,7 @@ SurfaceVertex vertex(const Eigen::Vector3f& p, const Eigen::Vector3f& bary, floa
 
 }  // namespace
 
-void SurfacePrep::prepare(const SurfaceMesh& mesh, bool bend, const OverlaySettings& settings,
+void SurfacePrep::prepare(const SurfaceMesh& mesh, const OverlaySettings& settings,
                           PreparedSurface& out) {
   out.map_id = mesh.map_id;
   out.vertices.clear();
@@ -49,11 +49,17 @@ void SurfacePrep::prepare(const SurfaceMesh& mesh, bool bend, const OverlaySetti
     const auto longer = [&](int a, int b) {
       return (points_[t[a]] - points_[t[b]]).squaredNorm() > max_edge * max_edge;
     };
-    if (bend && (longer(0, 1) || longer(1, 2) || longer(2, 0))) {
+    if (longer(0, 1) || longer(1, 2) || longer(2, 0)) {
       emitCut(t, max_edge, out);
     } else {
       emitShared(t, out);
     }
+  }
+  const std::size_t step =
+      std::max<std::size_t>(1, (out.vertices.size() + kSamples - 1) / kSamples);
+  for (std::size_t i = 0; i < out.vertices.size(); i += step) {
+    const float* p = out.vertices[i].position;
+    out.samples.emplace_back(p[0], p[1], p[2]);
   }
   cluster(mesh, out);
 }
@@ -77,9 +83,6 @@ bool SurfacePrep::collect(const SurfaceMesh& mesh, PreparedSurface& out) {
   out.diagonal = box.diagonal().norm();
   points_.resize(n);
   for (std::size_t i = 0; i < n; ++i) points_[i] = mesh.vertices[i] - centre;
-  const std::size_t step = std::max<std::size_t>(1, (triangles_.size() + kSamples - 1) / kSamples);
-  for (std::size_t i = 0; i < triangles_.size(); i += step)
-    out.samples.push_back(points_[triangles_[i][0]]);
   return out.diagonal > 0;
 }
 

@@ -43,9 +43,8 @@ struct PreparedSurface {
 /// out.
 class SurfacePrep {
  public:
-  /// `bend`: cut triangles (no edge longer than 1/40 of the diagonal) for a lens with distortion.
-  void prepare(const SurfaceMesh& mesh, bool bend, const OverlaySettings& settings,
-               PreparedSurface& out);
+  /// No edge stays longer than 1/40 of the bounding box's diagonal.
+  void prepare(const SurfaceMesh& mesh, const OverlaySettings& settings, PreparedSurface& out);
 
  private:
   using Triangle = std::array<std::uint32_t, 3>;

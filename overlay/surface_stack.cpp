@@ -4,10 +4,10 @@
 
 namespace depthscope::overlay {
 
-void SurfaceStack::set(const SurfaceMesh& mesh, bool bend, const OverlaySettings& settings) {
+void SurfaceStack::set(const SurfaceMesh& mesh, const OverlaySettings& settings) {
   newest_ = 1 - newest_;
   Surface& surface = surfaces_[newest_];
-  prep_.prepare(mesh, bend, settings, surface.prepared);
+  prep_.prepare(mesh, settings, surface.prepared);
   surface.buffers.upload(surface.prepared);
   started_ = false;
 }

@@ -24,7 +24,7 @@ class SurfaceStack {
     const Surface* main() const { return newest ? newest : before; }
   };
 
-  void set(const SurfaceMesh& mesh, bool bend, const OverlaySettings& settings);
+  void set(const SurfaceMesh& mesh, const OverlaySettings& settings);
   /// At the picture of `time_s` (negative: unknown, the newest replaces the one before at once).
   Shown shown(std::uint32_t map_id, double time_s, float crossfade_s);
 

@@ -33,7 +33,6 @@ Map::Map(const SlamSettings& settings, const CameraModel& camera)
 }
 
 void Map::clear() {
-  ++id_;
   for (Keyframe& k : keyframes_) k.alive = false;
   for (MapPoint& p : points_) {
     if (p.alive) ++p.generation;
@@ -48,6 +47,17 @@ void Map::clear() {
   keyframe_count_ = point_count_ = point_end_ = 0;
 }
 
+void Map::removeMap(std::uint32_t map_id) {
+  for (KeyframeId k = 0; k < keyframeCapacity(); ++k)
+    if (keyframes_[k].alive && keyframes_[k].map_id == map_id) removeKeyframe(k);
+}
+
+int Map::keyframesOf(std::uint32_t map_id) const {
+  return static_cast<int>(
+      std::count_if(keyframes_.begin(), keyframes_.end(),
+                    [&](const Keyframe& k) { return k.alive && k.map_id == map_id; }));
+}
+
 KeyframeId Map::addKeyframe(const FeatureSet& features, const Pose& T_camera_world,
                             std::int64_t frame, double timestamp_s) {
   if (free_keyframes_.empty()) return kNone;
@@ -55,6 +65,7 @@ KeyframeId Map::addKeyframe(const FeatureSet& features, const Pose& T_camera_wor
   free_keyframes_.pop_back();
   Keyframe& k = keyframes_[id];
   k.alive = true;
+  k.map_id = active_id_;
   k.serial = next_serial_++;
   k.frame = frame;
   k.timestamp_s = timestamp_s;
@@ -74,6 +85,7 @@ PointId Map::addPoint(const Eigen::Vector3d& position, std::int64_t born_serial)
   p = MapPoint{};
   p.generation = generation;
   p.alive = true;
+  p.map_id = active_id_;
   p.position = position;
   p.born_serial = born_serial;
   ++point_count_;
@@ -234,9 +246,9 @@ double Map::medianDepth(KeyframeId id) {
 
 void Map::rescale(double factor) {
   for (Keyframe& k : keyframes_)
-    if (k.alive) k.T_camera_world.t *= factor;
+    if (k.alive && k.map_id == active_id_) k.T_camera_world.t *= factor;
   for (MapPoint& p : points_) {
-    if (!p.alive) continue;
+    if (!p.alive || p.map_id != active_id_) continue;
     p.position *= factor;
     p.min_distance *= static_cast<float>(factor);
     p.max_distance *= static_cast<float>(factor);

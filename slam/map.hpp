@@ -29,6 +29,7 @@ struct Observation {
 /// A landmark. Distances and directions are in the map's unit and world frame.
 struct MapPoint {
   bool alive = false;
+  std::uint32_t map_id = 0;      // the connected map it belongs to
   std::uint32_t generation = 0;  // of this slot; grows when the slot is freed
   PointRef replaced_by;          // after a merge: where this point lives on
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -43,7 +44,8 @@ struct MapPoint {
 
 struct Keyframe {
   bool alive = false;
-  std::int64_t serial = 0;  // order of creation, never reused
+  std::uint32_t map_id = 0;  // the connected map it belongs to
+  std::int64_t serial = 0;   // order of creation, never reused
   std::int64_t frame = 0;
   double timestamp_s = 0;
   Pose T_camera_world;
@@ -51,19 +53,27 @@ struct Keyframe {
   std::vector<PointId> points;  // per feature, kNone where it observes none
 };
 
-/// Keyframes, points and who sees whom, in fixed-capacity arrays addressed by index. One thread,
-/// the mapper's (or the tracker's while there is no map), changes it and holds `mutex` while it
-/// does; others hold `mutex` while they read. The writer may read without it. Nothing is allocated
-/// after construction.
+/// Keyframes, points and who sees whom, in fixed-capacity arrays addressed by index. After a loss
+/// there may be several connected maps, each with a world frame of its own, told apart by `map_id`;
+/// what is added belongs to the active one. One thread, the mapper's (or the tracker's while the
+/// mapper is drained), changes it and holds `mutex` while it does; others hold `mutex` while they
+/// read. The writer may read without it. Nothing is allocated after construction.
 class Map {
  public:
   Map(const SlamSettings& settings, const CameraModel& camera);
 
   std::mutex mutex;
 
-  /// Forgets all keyframes and points; `id` grows.
+  /// Forgets all keyframes and points.
   void clear();
-  std::uint32_t id() const { return id_; }
+  /// Starts a new connected map beside the others and makes it the active one.
+  void start() { active_id_ = ++last_id_; }
+  void activate(std::uint32_t map_id) { active_id_ = map_id; }
+  std::uint32_t activeId() const { return active_id_; }
+  std::uint32_t lastId() const { return last_id_; }  // of the newest map; ids start at 1
+  /// Removes the keyframes, and so the points, of one connected map.
+  void removeMap(std::uint32_t map_id);
+  int keyframesOf(std::uint32_t map_id) const;
 
   /// A free slot, or kNone when full. Keyframe features are copied in.
   KeyframeId addKeyframe(const FeatureSet& features, const Pose& T_camera_world, std::int64_t frame,
@@ -98,7 +108,7 @@ class Map {
   int pointCapacity() const { return static_cast<int>(points_.size()); }
   int keyframeCount() const { return keyframe_count_; }
   int pointCount() const { return point_count_; }
-  bool keyframesFull() const { return free_keyframes_.empty(); }
+  int freeKeyframes() const { return static_cast<int>(free_keyframes_.size()); }
   std::int64_t nextSerial() const { return next_serial_; }
   /// One past the largest slot ever used; live ids are below it.
   int pointEnd() const { return point_end_; }
@@ -109,7 +119,7 @@ class Map {
   void countShared(KeyframeId id, std::span<int> votes) const;
   /// Median depth [map unit] of the points a keyframe sees, in its camera; <= 0 when it sees none.
   double medianDepth(KeyframeId id);
-  /// Multiplies the unit of length of the whole map.
+  /// Multiplies the unit of length of the active map.
   void rescale(double factor);
 
   float scaleOf(int octave) const { return scales_[octave]; }
@@ -122,7 +132,7 @@ class Map {
   void dropObservation(PointId point, KeyframeId keyframe);
 
   Intrinsics intrinsics_;
-  std::uint32_t id_ = 0;
+  std::uint32_t active_id_ = 0, last_id_ = 0;
   std::vector<Keyframe> keyframes_;
   std::vector<MapPoint> points_;
   std::vector<Observation> observations_;  // observations_per_point slots for each point

@@ -8,6 +8,7 @@ namespace depthscope::slam {
 namespace {
 constexpr double kMinFoundShare = 0.25;  // of the frames in which a point was predicted visible
 constexpr int kMinObservations = 3;      // after two more keyframes
+constexpr int kMinKeyframes = 3;         // a map is not culled below
 constexpr int kOtherObservers = 3;       // that make an observation redundant
 }  // namespace
 
@@ -59,19 +60,23 @@ double MapCuller::redundancy(KeyframeId id) const {
 void MapCuller::cullKeyframes(std::span<const KeyframeId> candidates) {
   for (const KeyframeId k : candidates) {
     const std::lock_guard lock(map_.mutex);
-    if (map_.keyframe(k).alive && map_.keyframeCount() > 3 && redundancy(k) > settings_.redundancy)
+    if (map_.keyframe(k).alive && map_.keyframeCount() > kMinKeyframes &&
+        redundancy(k) > settings_.redundancy)
       remove(k);
   }
 }
 
-void MapCuller::makeRoom(KeyframeId keep) {
+void MapCuller::makeRoom(int slots) {
   const std::lock_guard lock(map_.mutex);
-  while (map_.keyframeCount() > 3 &&
-         (map_.keyframesFull() || map_.pointCapacity() - map_.pointCount() < points_needed_)) {
+  const auto crowded = [&] {
+    return map_.freeKeyframes() < slots ||
+           map_.pointCapacity() - map_.pointCount() < points_needed_;
+  };
+  while (map_.keyframeCount() > kMinKeyframes && crowded()) {
     KeyframeId least = kNone;
     double most_redundant = -1;
     for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k) {
-      if (!map_.keyframe(k).alive || k == keep) continue;
+      if (!map_.keyframe(k).alive) continue;
       const double r = redundancy(k);
       if (r < most_redundant ||
           (r == most_redundant && map_.keyframe(k).serial > map_.keyframe(least).serial))
@@ -84,22 +89,30 @@ void MapCuller::makeRoom(KeyframeId keep) {
 }
 
 void MapCuller::remove(KeyframeId id) {
-  map_.countShared(id, votes_);
-  KeyframeId heir =
-      static_cast<KeyframeId>(std::max_element(votes_.begin(), votes_.end()) - votes_.begin());
-  if (votes_[heir] ==
-      0) {  // sees nothing that others see: any other keyframe will do, the nearest in time best
-    std::int64_t nearest = -1;
-    for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k) {
-      if (!map_.keyframe(k).alive || k == id) continue;
-      const std::int64_t gap = std::abs(map_.keyframe(k).serial - map_.keyframe(id).serial);
-      if (nearest >= 0 && gap >= nearest) continue;
-      nearest = gap;
-      heir = k;
-    }
-  }
-  trajectory_.rebase(map_, id, heir);
+  const KeyframeId heir = heirOf(id);
+  if (heir == kNone)
+    trajectory_.drop(id);
+  else
+    trajectory_.rebase(map_, id, heir);
   map_.removeKeyframe(id);
+}
+
+KeyframeId MapCuller::heirOf(KeyframeId id) {
+  map_.countShared(id, votes_);
+  const auto best = std::max_element(votes_.begin(), votes_.end());
+  if (*best > 0) return static_cast<KeyframeId>(best - votes_.begin());
+  // It sees nothing that others see: the keyframe of its map nearest in time, if there is one.
+  const Keyframe& k = map_.keyframe(id);
+  const auto gap = [&](KeyframeId other) {
+    return std::abs(map_.keyframe(other).serial - k.serial);
+  };
+  KeyframeId heir = kNone;
+  for (KeyframeId other = 0; other < map_.keyframeCapacity(); ++other) {
+    const Keyframe& o = map_.keyframe(other);
+    if (!o.alive || other == id || o.map_id != k.map_id) continue;
+    if (heir == kNone || gap(other) < gap(heir)) heir = other;
+  }
+  return heir;
 }
 
 }  // namespace depthscope::slam

@@ -19,13 +19,15 @@ class MapCuller {
   /// Removes those of `candidates` nearly all of whose points at least three others see as well or
   /// better.
   void cullKeyframes(std::span<const KeyframeId> candidates);
-  /// Frees a keyframe slot, and enough point slots, by dropping the most redundant keyframes, the
-  /// oldest first among equals; never `keep`.
-  void makeRoom(KeyframeId keep);
+  /// Frees `slots` keyframe slots, and enough point slots, by dropping the most redundant
+  /// keyframes, the oldest first among equals.
+  void makeRoom(int slots);
 
  private:
   double redundancy(KeyframeId id) const;
   void remove(KeyframeId id);
+  /// Who takes over the frames that hang on `id`; kNone when no other keyframe is in its map.
+  KeyframeId heirOf(KeyframeId id);
 
   MapperSettings settings_;
   int points_needed_;  // free point slots to keep

@@ -62,6 +62,7 @@ bool MapInitializer::offer(const FeatureSet& features, std::int64_t frame, doubl
 
 bool MapInitializer::buildMap(const FeatureSet& features, std::int64_t frame, double timestamp_s,
                               Map& map) {
+  map.start();
   const KeyframeId first =
       map.addKeyframe(reference_, Pose{}, reference_frame_, reference_timestamp_s_);
   const KeyframeId second = map.addKeyframe(features, result_.T_second_first, frame, timestamp_s);

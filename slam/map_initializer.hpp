@@ -16,8 +16,8 @@ class MapInitializer {
   MapInitializer(const SlamSettings& settings, const CameraModel& camera);
 
   /// Offers the next picture. True when a map was made out of the reference view and this one: two
-  /// keyframes and the points between them, median depth 1, in `map` (which must be empty and whose
-  /// mutex is held).
+  /// keyframes and the points between them, median depth 1, as a new connected map
+  /// that becomes the active one. `map` must have two free keyframe slots; its mutex is held.
   bool offer(const FeatureSet& features, std::int64_t frame, double timestamp_s, Map& map);
   void reset() { has_reference_ = false; }
 

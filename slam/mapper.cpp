@@ -101,15 +101,16 @@ void Mapper::adoptInitialMap() {
   window_.clear();
   recent_.clear();
   for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k)
-    if (map_.keyframe(k).alive) window_.push_back(k);
+    if (map_.keyframe(k).alive && map_.keyframe(k).map_id == map_.activeId()) window_.push_back(k);
   bundle_.adjust(window_, 20, nullptr);
   for (PointId p = 0; p < map_.pointEnd(); ++p)
-    if (map_.point(p).alive) recent_.push_back(map_.ref(p));
+    if (map_.point(p).alive && map_.point(p).map_id == map_.activeId())
+      recent_.push_back(map_.ref(p));
 }
 
 void Mapper::process(const KeyframeRequest& request) {
   const auto start = std::chrono::steady_clock::now();
-  culler_.makeRoom(kNone);
+  culler_.makeRoom(1);
   const KeyframeId id = insert(request);
   culler_.cullRecentPoints(recent_, map_.keyframe(id).serial);
   creator_.create(id, bestNeighbours(id, settings_.mapper.neighbours), recent_);

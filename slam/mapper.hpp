@@ -41,6 +41,8 @@ class Mapper {
   /// After the initializer has made a map: adjusts it and starts to look after its points. Call
   /// while idle.
   void adoptInitialMap();
+  /// Frees keyframe slots for a new map. Call while idle.
+  void makeRoom(int keyframes) { culler_.makeRoom(keyframes); }
   /// Returns once nothing is in progress; what was waiting is thrown away.
   void drain();
   /// Time the last keyframe took [ms], once each; negative when there was none since the last call.

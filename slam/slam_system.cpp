@@ -19,6 +19,9 @@ struct SlamSystem::Impl {
         tracker(camera, settings, map, mapper, trajectory) {}
 
   MappingMode mode;
+  /// Map mutex held.
+  void copyCloud(std::uint32_t map_id, SparseCloud& out) const;
+
   Map map;
   Trajectory trajectory;
   Mapper mapper;
@@ -61,17 +64,25 @@ SlamStatistics SlamSystem::statistics() const {
 }
 
 void SlamSystem::copyCloud(SparseCloud& out) const {
-  const Map& map = impl_->map;
   const std::lock_guard lock(impl_->map.mutex);
-  out.map_id = map.id();
+  impl_->copyCloud(impl_->map.activeId(), out);
+}
+
+void SlamSystem::copyMainCloud(SparseCloud& out) const {
+  const std::lock_guard lock(impl_->map.mutex);
+  impl_->copyCloud(impl_->trajectory.mainMap(impl_->map), out);
+}
+
+void SlamSystem::Impl::copyCloud(std::uint32_t map_id, SparseCloud& out) const {
+  out.map_id = map_id;
   out.points.clear();
   out.keyframes_T_camera_world.clear();
   for (KeyframeId k = 0; k < map.keyframeCapacity(); ++k)
-    if (map.keyframe(k).alive)
+    if (map.keyframe(k).alive && map.keyframe(k).map_id == map_id)
       out.keyframes_T_camera_world.push_back(map.keyframe(k).T_camera_world);
   for (PointId id = 0; id < map.pointEnd(); ++id) {
     const MapPoint& p = map.point(id);
-    if (!p.alive) continue;
+    if (!p.alive || p.map_id != map_id) continue;
     double squared = 0;
     for (const Observation& o : map.observations(id)) {
       const Keyframe& k = map.keyframe(o.keyframe);
@@ -88,7 +99,7 @@ void SlamSystem::copyCloud(SparseCloud& out) const {
 
 std::vector<StampedPose> SlamSystem::correctedTrajectory() const {
   const std::lock_guard lock(impl_->map.mutex);
-  return impl_->trajectory.corrected(impl_->map);
+  return impl_->trajectory.corrected(impl_->map, impl_->trajectory.mainMap(impl_->map));
 }
 
 void SlamSystem::reset() {

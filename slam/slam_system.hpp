@@ -55,8 +55,10 @@ class SlamSystem {
   SlamStatistics statistics() const;
   /// Copies points and keyframe poses of the active map into `out`, whose capacity is reused.
   void copyCloud(SparseCloud& out) const;
-  /// Poses of the last `trajectory_frames` tracked frames of the active map, as corrected by
-  /// everything learnt since, in order of time.
+  /// The same of the main map: the connected map that most frames were tracked in.
+  void copyMainCloud(SparseCloud& out) const;
+  /// Poses of the last `trajectory_frames` tracked frames, as far as they lie in the main map, as
+  /// corrected by everything learnt since, in order of time.
   std::vector<StampedPose> correctedTrajectory() const;
   /// Forgets everything and starts over.
   void reset();

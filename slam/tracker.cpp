@@ -37,10 +37,13 @@ PoseEstimate Tracker::track(const GrayView& image, std::int64_t frame, double ti
         handleLoss();
       break;
     case TrackingState::Lost:
-      if (!relocalize()) break;
-      ++relocalizations_;
-      state_ = TrackingState::Tracking;
-      finishTracked();
+      if (relocalize()) {
+        ++relocalizations_;
+        state_ = TrackingState::Tracking;
+        finishTracked();
+      } else if (timestamp_s - lost_since_s_ >= settings_.new_map_after_s && initialize()) {
+        state_ = TrackingState::Tracking;
+      }
       break;
   }
   return report();
@@ -60,6 +63,8 @@ void Tracker::beginFrame(const GrayView& image, std::int64_t frame, double times
 }
 
 bool Tracker::initialize() {
+  mapper_.drain();
+  mapper_.makeRoom(2);
   {
     const std::lock_guard lock(map_.mutex);
     if (!initializer_.offer(current_.features, current_.frame, current_.timestamp_s, map_))
@@ -103,20 +108,25 @@ bool Tracker::relocalize() {
       return false;
   }
   inliers_ = pose_tracker_.trackLocalMap(current_);
-  return inliers_ >= settings_.min_inliers_relocalized;
+  if (inliers_ < settings_.min_inliers_relocalized) return false;
+  const std::lock_guard lock(map_.mutex);
+  map_.activate(map_.keyframe(pose_tracker_.reference()).map_id);
+  return true;
 }
 
 void Tracker::handleLoss() {
   constexpr int kYoungMapKeyframes = 5;  // a map this small is quicker made anew than found again
   ++lost_events_;
   has_motion_ = false;
-  state_ = TrackingState::Lost;
-  bool young;
-  {
-    const std::lock_guard lock(map_.mutex);
-    young = map_.keyframeCount() <= kYoungMapKeyframes;
+  lost_since_s_ = current_.timestamp_s;
+  initializer_.reset();
+  mapper_.drain();
+  const std::lock_guard lock(map_.mutex);
+  if (map_.keyframesOf(map_.activeId()) <= kYoungMapKeyframes) {
+    trajectory_.dropMap(map_, map_.activeId());
+    map_.removeMap(map_.activeId());
   }
-  if (young) reset();
+  state_ = map_.keyframeCount() > 0 ? TrackingState::Lost : TrackingState::Initializing;
 }
 
 void Tracker::reset() {
@@ -170,7 +180,7 @@ PoseEstimate Tracker::report() const {
   e.frame = current_.frame;
   e.timestamp_s = current_.timestamp_s;
   e.state = state_;
-  e.map_id = map_.id();
+  e.map_id = map_.activeId();
   if (state_ != TrackingState::Tracking) return e;
   e.T_camera_world = current_.T_camera_world;
   e.inliers = inliers_;

@@ -50,6 +50,7 @@ class Tracker {
   Pose T_current_last_;  // of the last two frames tracked: the motion model
   bool has_motion_ = false;
   TrackingState state_ = TrackingState::Initializing;
+  double lost_since_s_ = 0;
   KeyframeId reference_ = kNone;  // the keyframe that shares most points with the current frame
   int inliers_ = 0;
   int lost_events_ = 0, relocalizations_ = 0, maps_started_ = 0;

@@ -22,12 +22,39 @@ void Trajectory::rebase(const Map& map, KeyframeId from, KeyframeId to) {
   }
 }
 
-std::vector<StampedPose> Trajectory::corrected(const Map& map) const {
+void Trajectory::drop(KeyframeId reference) {
+  for (std::size_t i = 0; i < count_; ++i)
+    if (records_[i].reference == reference) records_[i].reference = kNone;
+}
+
+void Trajectory::dropMap(const Map& map, std::uint32_t map_id) {
+  for (KeyframeId k = 0; k < map.keyframeCapacity(); ++k)
+    if (map.keyframe(k).alive && map.keyframe(k).map_id == map_id) drop(k);
+}
+
+std::uint32_t Trajectory::mainMap(const Map& map) const {
+  std::uint32_t main = map.activeId();
+  std::size_t most = 0;
+  for (std::uint32_t id = 1; id <= map.lastId(); ++id) {
+    const std::size_t frames = static_cast<std::size_t>(
+        std::count_if(records_.begin(), records_.begin() + static_cast<std::ptrdiff_t>(count_),
+                      [&](const Record& r) {
+                        return r.reference != kNone && map.keyframe(r.reference).map_id == id;
+                      }));
+    if (frames < most || frames == 0) continue;
+    most = frames;
+    main = id;
+  }
+  return main;
+}
+
+std::vector<StampedPose> Trajectory::corrected(const Map& map, std::uint32_t map_id) const {
   std::vector<StampedPose> poses;
   poses.reserve(count_);
   const std::size_t oldest = count_ == records_.size() ? next_ : 0;
   for (std::size_t i = 0; i < count_; ++i) {
     const Record& r = records_[(oldest + i) % records_.size()];
+    if (r.reference == kNone || map.keyframe(r.reference).map_id != map_id) continue;
     const Pose T_camera_world = r.T_camera_reference * map.keyframe(r.reference).T_camera_world;
     poses.push_back({r.frame, r.timestamp_s, T_camera_world.inverse()});
   }

@@ -18,14 +18,21 @@ class Trajectory {
            const Pose& T_camera_reference);
   /// Records that hang on keyframe `from` hang on `to` afterwards; call before `from` is removed.
   void rebase(const Map& map, KeyframeId from, KeyframeId to);
+  /// Forgets the records of a connected map.
+  void dropMap(const Map& map, std::uint32_t map_id);
+  /// Forgets the records that hang on a keyframe.
+  void drop(KeyframeId reference);
   void clear() { count_ = next_ = 0; }
-  std::vector<StampedPose> corrected(const Map& map) const;
+  /// The connected map that most frames were tracked in; the newer one of equals.
+  std::uint32_t mainMap(const Map& map) const;
+  /// Poses of the frames tracked in one connected map, in order of time.
+  std::vector<StampedPose> corrected(const Map& map, std::uint32_t map_id) const;
 
  private:
   struct Record {
     std::int64_t frame;
     double timestamp_s;
-    KeyframeId reference;
+    KeyframeId reference;  // kNone: dropped
     Pose T_camera_reference;
   };
   std::vector<Record> records_;

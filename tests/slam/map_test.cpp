@@ -67,7 +67,7 @@ TEST(Map, SaysWhenItIsFullAndGrowsNoFurther) {
   Map map(settings, testCameraModel());
   const FeatureSet none(400, testCameraModel());
   for (int i = 0; i < 3; ++i) EXPECT_NE(map.addKeyframe(none, Pose{}, i, i), kNone);
-  EXPECT_TRUE(map.keyframesFull());
+  EXPECT_EQ(map.freeKeyframes(), 0);
   EXPECT_EQ(map.addKeyframe(none, Pose{}, 3, 3), kNone);
   for (int i = 0; i < 10; ++i) EXPECT_NE(map.addPoint({0, 0, 1}, 0), kNone);
   EXPECT_EQ(map.addPoint({0, 0, 1}, 0), kNone);
@@ -107,10 +107,11 @@ TEST(Map, ClearingInvalidatesEveryReference) {
   const World world(50);
   MappedWorld m(smallSettings(), world, sidewaysPoses(2));
   const PointRef ref = m.map.ref(m.point_of[0]);
-  const auto id = m.map.id();
+  const auto id = m.map.activeId();
   m.map.clear();
   EXPECT_EQ(m.map.resolve(ref), kNone);
-  EXPECT_NE(m.map.id(), id);
+  m.map.start();
+  EXPECT_NE(m.map.activeId(), id);
   EXPECT_EQ(m.map.keyframeCount() + m.map.pointCount(), 0);
 }
 

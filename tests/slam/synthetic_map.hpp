@@ -76,6 +76,7 @@ struct MappedWorld {
 
   MappedWorld(const SlamSettings& settings, const World& world, const std::vector<Pose>& poses)
       : map(settings, testCameraModel()), point_of(world.points.size(), kNone) {
+    map.start();
     std::vector<std::vector<std::pair<KeyframeId, int>>> seen(world.points.size());
     for (std::size_t i = 0; i < poses.size(); ++i) {
       std::vector<int> ids;

@@ -1,7 +1,6 @@
 #include "slam/brief_descriptor.hpp"
 
 #include <cmath>
-#include <cstring>
 #include <numbers>
 
 #include "slam/brief_pattern.hpp"
@@ -12,6 +11,27 @@ namespace {
 
 constexpr int kPatchStride = 32;
 constexpr int kPatchRows = 2 * kPatchRadius + 1;
+
+using Patch = std::array<std::uint8_t, static_cast<std::size_t>(kPatchStride) * kPatchRows>;
+
+std::uint8_t average(std::uint8_t a, std::uint8_t b) {
+  return static_cast<std::uint8_t>((a + b + 1) >> 1);
+}
+
+/// The patch around `centre`, as BinomialSmoothing would smooth it. A compact copy: the places of
+/// tests do not depend on the picture's stride, and all of it stays in the cache.
+void smoothPatch(const std::uint8_t* centre, std::ptrdiff_t stride, Patch& patch) {
+  for (int v = 0; v < kPatchRows; ++v) {
+    const std::uint8_t* here = centre + (v - kPatchRadius) * stride - kPatchRadius - 1;
+    const std::uint8_t *above = here - stride, *below = here + stride;
+    std::array<std::uint8_t, kPatchStride + 16> row;
+    for (int i = 0; i < kPatchStride + 16; ++i)
+      row[i] = average(average(above[i], below[i]), here[i]);
+    std::uint8_t* out = patch.data() + v * kPatchStride;
+    for (int i = 0; i < kPatchStride; ++i)
+      out[i] = average(average(row[i], row[i + 2]), row[i + 1]);
+  }
+}
 
 std::uint16_t turnedPlace(int x, int y, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
@@ -35,13 +55,8 @@ BriefDescriptor::BriefDescriptor() : turned_(kAngleSteps) {
 
 Descriptor BriefDescriptor::operator()(const std::uint8_t* centre, std::ptrdiff_t stride,
                                        float angle) const {
-  // A compact copy: the places do not depend on the picture's stride, and all samples hit the
-  // cache.
-  std::array<std::uint8_t, static_cast<std::size_t>(kPatchStride) * kPatchRows> patch;
-  const std::uint8_t* source = centre - kPatchRadius * stride - kPatchRadius;
-  for (int v = 0; v < kPatchRows; ++v)
-    std::memcpy(patch.data() + v * kPatchStride, source + v * stride, kPatchStride);
-
+  Patch patch;
+  smoothPatch(centre, stride, patch);
   const float steps = angle * (kAngleSteps / (2 * std::numbers::pi_v<float>));
   const auto step = static_cast<unsigned>(static_cast<int>(std::lround(steps)) + kAngleSteps);
   const std::uint16_t* place = turned_[step % kAngleSteps].data();

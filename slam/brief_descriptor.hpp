@@ -14,8 +14,9 @@ class BriefDescriptor {
  public:
   BriefDescriptor();
 
-  /// `centre`: the keypoint's pixel in the smoothed picture of its level, with kPatchRadius pixels
-  /// around it (and one more to the right that is read, not used); `angle` [rad] in [-pi, pi].
+  /// `centre`: the keypoint's pixel in the picture of its level smoothed once (BinomialSmoothing);
+  /// the patch is smoothed once more, to a Gaussian of sigma 1 px. Reads kPatchRadius + 1 pixels
+  /// around `centre`, to the right up to 31. `angle` [rad] in [-pi, pi].
   Descriptor operator()(const std::uint8_t* centre, std::ptrdiff_t stride, float angle) const;
 
  private:

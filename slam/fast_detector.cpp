@@ -11,27 +11,26 @@ namespace {
 
 using namespace fast;
 
-/// Marks with non-zero the pixels that may have a score above `threshold`: of any two opposite
-/// pixels of the circle at least one lies on an arc of nine.
-DEPTHSCOPE_KERNEL void markCandidates(const Byte* row, std::ptrdiff_t stride, int begin, int end,
-                                      Byte threshold, Byte* mark) {
-  const auto o = circleOffsets(stride);
-  for (int x = begin; x < end; ++x) {
-    const Byte* p = row + x;
-    Byte brightest = 255, darkest = 0;
-    for (int k = 0; k < 8; k += 2) {
-      brightest = lower(brightest, upper(p[o[k]], p[o[k + 8]]));
-      darkest = upper(darkest, lower(p[o[k]], p[o[k + 8]]));
-    }
-    const Byte c = *p;
-    mark[x] = excess(upper(excess(brightest, c), excess(c, darkest)), threshold);
-  }
-}
-
+/// Can a pixel at `p` have a score above `threshold`? Of any two opposite pixels of the circle at
+/// least one lies on an arc of nine, so that the weaker of both bounds the score.
 template <class V>
-DEPTHSCOPE_KERNEL bool anySet(const Byte* p) {
+DEPTHSCOPE_KERNEL bool mayScore(const Byte* p, const std::array<std::ptrdiff_t, 16>& offsets,
+                                const V& thresholds) {
+  V centre, a, b;
+  load(p, centre);
+  load(p + offsets[0], a);
+  load(p + offsets[8], b);
+  V brightest = upper(a, b), darkest = lower(a, b);
+  for (int k = 2; k < 8; k += 2) {
+    load(p + offsets[k], a);
+    load(p + offsets[k + 8], b);
+    brightest = lower(brightest, upper(a, b));
+    darkest = upper(darkest, lower(a, b));
+  }
+  const V bound = upper(excess(brightest, centre), excess(centre, darkest));
+  const V above = excess(bound, thresholds);
   std::uint64_t words[sizeof(V) / 8];
-  std::memcpy(words, p, sizeof(V));
+  std::memcpy(words, &above, sizeof(V));
   std::uint64_t any = 0;
   for (const std::uint64_t w : words) any |= w;
   return any != 0;
@@ -41,15 +40,13 @@ DEPTHSCOPE_KERNEL bool anySet(const Byte* p) {
 /// a vector beyond `end`.
 template <class V>
 DEPTHSCOPE_KERNEL void scoreRowKernel(const Byte* row, std::ptrdiff_t stride, int begin, int end,
-                                      Byte threshold, Byte* mark, Byte* score) {
+                                      Byte threshold, Byte* score) {
   constexpr int kWidth = sizeof(V);
   const auto offsets = circleOffsets(stride);
   const V thresholds = V{} + threshold;
-  markCandidates(row, stride, begin, (end - begin + kWidth - 1) / kWidth * kWidth + begin,
-                 threshold, mark);
   for (int x = begin; x < end; x += kWidth) {
     V scores{};
-    if (anySet<V>(mark + x)) {
+    if (mayScore(row + x, offsets, thresholds)) {
       scoreAt(row + x, offsets, scores);
       scores = scores > thresholds ? scores : V{};
     }
@@ -71,13 +68,13 @@ DEPTHSCOPE_KERNEL void suppressKernel(const Byte* above, const Byte* row, const 
 }
 
 struct Kernels {
-  void (*score)(const Byte*, std::ptrdiff_t, int, int, Byte, Byte*, Byte*);
+  void (*score)(const Byte*, std::ptrdiff_t, int, int, Byte, Byte*);
   void (*suppress)(const Byte*, const Byte*, const Byte*, int, int, Byte*);
 };
 
 void scorePortable(const Byte* row, std::ptrdiff_t stride, int begin, int end, Byte threshold,
-                   Byte* mark, Byte* score) {
-  scoreRowKernel<Bytes16>(row, stride, begin, end, threshold, mark, score);
+                   Byte* score) {
+  scoreRowKernel<Bytes16>(row, stride, begin, end, threshold, score);
 }
 void suppressPortable(const Byte* above, const Byte* row, const Byte* below, int begin, int end,
                       Byte* maxima) {
@@ -86,8 +83,8 @@ void suppressPortable(const Byte* above, const Byte* row, const Byte* below, int
 
 #if DEPTHSCOPE_HAS_AVX2
 DEPTHSCOPE_AVX2 void scoreAvx2(const Byte* row, std::ptrdiff_t stride, int begin, int end,
-                               Byte threshold, Byte* mark, Byte* score) {
-  scoreRowKernel<Bytes32>(row, stride, begin, end, threshold, mark, score);
+                               Byte threshold, Byte* score) {
+  scoreRowKernel<Bytes32>(row, stride, begin, end, threshold, score);
 }
 DEPTHSCOPE_AVX2 void suppressAvx2(const Byte* above, const Byte* row, const Byte* below, int begin,
                                   int end, Byte* maxima) {
@@ -102,14 +99,18 @@ Kernels kernelsFor([[maybe_unused]] SimdPath path) {
   return {scorePortable, suppressPortable};
 }
 
+/// `maxima` is zero behind `end` up to the next multiple of eight from `begin`.
 void appendMaxima(const Byte* maxima, int begin, int end, int y, std::vector<Corner>& corners) {
+  static_assert(std::endian::native == std::endian::little);
   for (int x = begin; x < end; x += 8) {
     std::uint64_t word = 0;
     std::memcpy(&word, maxima + x, 8);
-    if (word == 0) continue;
-    for (int i = x; i < std::min(x + 8, end); ++i)
-      if (maxima[i] != 0)
-        corners.push_back({static_cast<std::int16_t>(i), static_cast<std::int16_t>(y), maxima[i]});
+    while (word != 0) {
+      const int i = std::countr_zero(word) / 8;
+      corners.push_back({static_cast<std::int16_t>(x + i), static_cast<std::int16_t>(y),
+                         static_cast<std::uint8_t>(word >> (8 * i))});
+      word &= ~(std::uint64_t{255} << (8 * i));
+    }
   }
 }
 
@@ -118,17 +119,19 @@ void appendMaxima(const Byte* maxima, int begin, int end, int y, std::vector<Cor
 FastDetector::FastDetector(int width)
     : stride_((width + 191) / 64 * 64), scores_(3 * stride_), row_(stride_) {}
 
-void FastDetector::detect(const ImageBuffer& image, int threshold, int margin, SimdPath path,
+void FastDetector::detect(const ImageBuffer& image, int threshold, const Area& area, SimdPath path,
                           std::vector<Corner>& corners) {
+  if (area.right <= area.left || area.bottom <= area.top) return;
   const Kernels kernels = kernelsFor(path);
   const auto t = static_cast<Byte>(std::clamp(threshold, 1, 254));
-  const int begin = margin, end = image.width() - margin;
+  std::fill_n(row_.begin() + area.right, 8, Byte{0});
   // One pixel more on each side is scored, as neighbours only.
-  for (int y = margin - 1; y <= image.height() - margin; ++y) {
-    kernels.score(image.row(y), image.stride(), begin - 1, end + 1, t, row_.data(), scoreRow(y));
-    if (y <= margin) continue;
-    kernels.suppress(scoreRow(y - 2), scoreRow(y - 1), scoreRow(y), begin, end, row_.data());
-    appendMaxima(row_.data(), begin, end, y - 1, corners);
+  for (int y = area.top - 1; y <= area.bottom; ++y) {
+    kernels.score(image.row(y), image.stride(), area.left - 1, area.right + 1, t, scoreRow(y));
+    if (y <= area.top) continue;
+    kernels.suppress(scoreRow(y - 2), scoreRow(y - 1), scoreRow(y), area.left, area.right,
+                     row_.data());
+    appendMaxima(row_.data(), area.left, area.right, y - 1, corners);
   }
 }
 

@@ -1,8 +1,8 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "slam/image_area.hpp"
 #include "slam/image_buffer.hpp"
 #include "slam/simd_dispatch.hpp"
 
@@ -23,11 +23,12 @@ class FastDetector {
   /// For pictures up to `width` wide.
   explicit FastDetector(int width);
 
-  /// Appends to `corners`, in the order of rows, the pixels whose score is above `threshold` (>= 1)
-  /// and a maximum of its 3x3 neighbourhood; of equal neighbours the first counts. Pixels nearer
-  /// than `margin` (>= 4) [px] to the picture's border are left out. Does not allocate while
-  /// `corners` has room for a quarter of the picture's pixels.
-  void detect(const ImageBuffer& image, int threshold, int margin, SimdPath path,
+  /// Appends to `corners`, in the order of rows, the pixels of `area` whose score is above
+  /// `threshold`
+  /// (>= 1) and a maximum of its 3x3 neighbourhood; of equal neighbours the first counts. `area`
+  /// keeps 4 px from the picture's border. Does not allocate while `corners` has room for a quarter
+  /// of the pixels.
+  void detect(const ImageBuffer& image, int threshold, const Area& area, SimdPath path,
               std::vector<Corner>& corners);
 
  private:

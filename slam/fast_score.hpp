@@ -53,6 +53,7 @@ DEPTHSCOPE_KERNEL void scoreAt(const Byte* p, const std::array<std::ptrdiff_t, 1
                                V& score) {
   V ring[16], low2[8], high2[8], low4[8], high4[8], centre;
   load(p, centre);
+#pragma GCC unroll 16
   for (int k = 0; k < 16; ++k) load(p + offsets[k], ring[k]);
   for (int i = 0; i < 8; ++i) {
     low2[i] = lower(ring[2 * i + 1], ring[(2 * i + 2) % 16]);

@@ -9,8 +9,9 @@
 namespace depthscope::slam {
 namespace {
 
-constexpr int kMargin = kPatchRadius + 1;  // [px] of each level: the patch lies in the picture
-constexpr int kCell = 32;                  // [px] of each level: cell of the adaptive threshold
+// [px] of each level: the patch lies in the picture, and so does what smoothes it.
+constexpr int kMargin = kPatchRadius + 1;
+constexpr int kCell = 32;  // [px] of each level: cell of the adaptive threshold
 // Reach of a corner's own neighbourhood [px of its level]: the circle of FAST and the blur of a
 // highlight.
 constexpr double kSpecularReach = 5;
@@ -27,7 +28,8 @@ OrbExtractor::OrbExtractor(const ExtractorSettings& settings, const CameraModel&
       camera_(camera),
       path_(path),
       pyramid_(camera.width, camera.height, settings.levels, settings.scale_factor),
-      mask_(pyramid_, settings),
+      highlights_(pyramid_, settings),
+      view_(pyramid_, settings.dark_threshold),
       detector_(camera.width),
       smoothing_(camera.width),
       distribution_(camera.width, camera.height, maximaCapacity(pyramid_.level(0))),
@@ -41,7 +43,6 @@ OrbExtractor::OrbExtractor(const ExtractorSettings& settings, const CameraModel&
     sigma2_.push_back(static_cast<float>(scale * scale));
     corners_[l].reserve(maximaCapacity(pyramid_.level(l)));
     smooth_.emplace_back(pyramid_.level(l).width(), pyramid_.level(l).height());
-    smoother_.emplace_back(pyramid_.level(l).width(), pyramid_.level(l).height());
   }
 }
 
@@ -50,42 +51,61 @@ void OrbExtractor::extract(const GrayView& image, FeatureSet& out) {
   out.descriptors.clear();
   if (!image.empty() && image.width == camera_.width && image.height == camera_.height) {
     pyramid_.build(image, path_);
-    mask_.update(pyramid_);
-    for (int l = 0; l < settings_.levels; ++l) detectLevel(l);
+    highlights_.update(pyramid_);
+    view_.update(pyramid_);
+    for (int l = 0; l < settings_.levels; ++l) smoothing_(pyramid_.level(l), smooth_[l], path_);
+    detect(settings_.fast_threshold, settings_.fast_threshold_min);
+    // Little texture: what there is of it is worth more than its noise costs.
+    if (foundCorners() < settings_.features)
+      detect(settings_.fast_threshold / 2, settings_.fast_threshold_min / 2);
     shareQuota();
     for (int l = 0; l < settings_.levels; ++l) describeLevel(l, out);
   }
   out.grid.build(out.keypoints);
 }
 
-void OrbExtractor::detectLevel(int l) {
-  corners_[l].clear();
-  const ImageBuffer& image = pyramid_.level(l);
-  if (std::min(image.width(), image.height()) <= 2 * kMargin) return;
-  smoothing_(image, smooth_[l], path_);
-  detector_.detect(smooth_[l], settings_.fast_threshold_min, kMargin, path_, corners_[l]);
-  std::erase_if(corners_[l], [&](const Corner& c) { return !isOnTissue(c, l); });
-  keepStrongOfEachCell(l);
+void OrbExtractor::detect(int threshold, int threshold_min) {
+  for (int l = 0; l < settings_.levels; ++l) {
+    corners_[l].clear();
+    detector_.detect(smooth_[l], threshold_min, searchArea(l), path_, corners_[l]);
+    std::erase_if(corners_[l], [&](const Corner& c) { return !isOnTissue(c, l); });
+    keepStrongOfEachCell(l, threshold);
+  }
+}
+
+int OrbExtractor::foundCorners() const {
+  std::size_t found = 0;
+  for (const auto& corners : corners_) found += corners.size();
+  return static_cast<int>(found);
+}
+
+/// Where the patch lies in the picture and its middle in the view.
+Area OrbExtractor::searchArea(int l) const {
+  const double scale = pyramid_.scale(l);
+  const Area& view = view_.bounds();
+  const auto toLevel = [&](int x) { return static_cast<int>(x / scale); };
+  return {std::max(kMargin, toLevel(view.left)), std::max(kMargin, toLevel(view.top)),
+          std::min(smooth_[l].width() - kMargin, toLevel(view.right) + 1),
+          std::min(smooth_[l].height() - kMargin, toLevel(view.bottom) + 1)};
 }
 
 bool OrbExtractor::isOnTissue(const Corner& corner, int l) const {
   const double scale = pyramid_.scale(l);
   const double x = (corner.x + 0.5) * scale - 0.5, y = (corner.y + 0.5) * scale - 0.5;
-  return mask_.toSpecular(x, y) >= kSpecularReach * scale &&
-         mask_.toSurroundings(x, y) >= kMargin * scale;
+  return highlights_.distance(x, y) >= kSpecularReach * scale &&
+         view_.distance(x, y) >= kMargin * scale;
 }
 
-/// The high threshold where a cell has corners above it, else the low one.
-void OrbExtractor::keepStrongOfEachCell(int l) {
+/// In cells with corners above `threshold` only those count.
+void OrbExtractor::keepStrongOfEachCell(int l, int threshold) {
   const int columns = pyramid_.level(l).width() / kCell + 1;
   const auto cellOf = [&](const Corner& c) -> std::uint8_t& {
     return cell_best_[c.y / kCell * columns + c.x / kCell];
   };
   std::fill(cell_best_.begin(), cell_best_.end(), std::uint8_t{0});
   for (const Corner& c : corners_[l]) cellOf(c) = std::max(cellOf(c), c.score);
-  std::erase_if(corners_[l], [&](const Corner& c) {
-    return c.score <= settings_.fast_threshold && cellOf(c) > settings_.fast_threshold;
-  });
+  std::erase_if(corners_[l],
+                [&](const Corner& c) { return c.score <= threshold && cellOf(c) > threshold; });
 }
 
 /// Shares the features among the levels by their length scale, as Mur-Artal et al. do, and hands on
@@ -112,13 +132,12 @@ void OrbExtractor::shareQuota() {
 void OrbExtractor::describeLevel(int l, FeatureSet& out) {
   if (wanted_[l] == 0) return;
   distribution_.reduce(wanted_[l], corners_[l]);
-  smoothing_(smooth_[l], smoother_[l], path_);
+  const ImageBuffer& image = smooth_[l];
   for (const Corner& c : corners_[l]) {
     const std::optional<Keypoint> keypoint = keypointAt(c, l);
     if (!keypoint) continue;
     out.keypoints.push_back(*keypoint);
-    out.descriptors.push_back(
-        brief_(smoother_[l].row(c.y) + c.x, smoother_[l].stride(), keypoint->angle));
+    out.descriptors.push_back(brief_(image.row(c.y) + c.x, image.stride(), keypoint->angle));
   }
 }
 

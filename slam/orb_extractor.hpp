@@ -8,8 +8,9 @@
 #include "slam/corner_distribution.hpp"
 #include "slam/fast_detector.hpp"
 #include "slam/features.hpp"
+#include "slam/field_of_view.hpp"
+#include "slam/highlight_mask.hpp"
 #include "slam/image_pyramid.hpp"
-#include "slam/picture_mask.hpp"
 #include "slam/simd_dispatch.hpp"
 #include "slam/slam_settings.hpp"
 #include "slam/undistortion_map.hpp"
@@ -36,12 +37,15 @@ class OrbExtractor {
   /// [px^2] variance assumed for a keypoint of octave l where undistortion does not magnify.
   std::span<const float> sigma2() const { return sigma2_; }
   const ImagePyramid& pyramid() const { return pyramid_; }
-  const PictureMask& mask() const { return mask_; }
+  const HighlightMask& highlights() const { return highlights_; }
+  const FieldOfView& fieldOfView() const { return view_; }
 
  private:
-  void detectLevel(int l);
+  void detect(int threshold, int threshold_min);
+  int foundCorners() const;
+  Area searchArea(int l) const;
   bool isOnTissue(const Corner& corner, int l) const;
-  void keepStrongOfEachCell(int l);
+  void keepStrongOfEachCell(int l, int threshold);
   void shareQuota();
   void describeLevel(int l, FeatureSet& out);
   std::optional<Keypoint> keypointAt(const Corner& corner, int l) const;
@@ -52,7 +56,8 @@ class OrbExtractor {
   std::vector<float> scale_factors_, sigma2_;
 
   ImagePyramid pyramid_;
-  PictureMask mask_;
+  HighlightMask highlights_;
+  FieldOfView view_;
   FastDetector detector_;
   BinomialSmoothing smoothing_;
   CornerDistribution distribution_;
@@ -62,8 +67,7 @@ class OrbExtractor {
   std::vector<std::vector<Corner>> corners_;  // of each level
   std::vector<int> wanted_;                   // corners to keep of each level
   std::vector<std::uint8_t> cell_best_;       // best score in each cell of the level at work
-  std::vector<ImageBuffer> smooth_;           // each level smoothed once: corners are found here
-  std::vector<ImageBuffer> smoother_;  // each level smoothed twice: BRIEF compares pixels here
+  std::vector<ImageBuffer> smooth_;           // each level smoothed once
 };
 
 }  // namespace depthscope::slam

@@ -8,9 +8,10 @@ struct ExtractorSettings {
   int features = 1000;         // kept per frame, over all levels
   int levels = 8;              // pyramid levels
   double scale_factor = 1.2;   // between levels
-  // On pictures smoothed by a Gaussian of sigma 0.7, which takes half of a corner's contrast.
-  int fast_threshold = 10;     // [grey levels], first try in each cell
-  int fast_threshold_min = 6;  // [grey levels], where the first finds nothing
+  // FAST thresholds on pictures smoothed by a Gaussian of sigma 0.7, which takes half of a corner's
+  // contrast. Where a whole picture has less than `features` corners both are halved.
+  int fast_threshold = 10;         // [grey levels], first try in each cell
+  int fast_threshold_min = 6;      // [grey levels], where the first finds nothing
   // Luma of towers is mostly 16..235 (BT.601 and 709), and comes as it is.
   int specular_threshold = 230;    // [grey levels], at or above: saturated, not tissue
   double specular_contrast = 1.35;  // times the brightness of the tissue around: a highlight
@@ -38,10 +39,10 @@ struct MatchingSettings {
 
 /// Two-view initialization (slam/map_initializer).
 struct InitializerSettings {
-  int min_matches = 100;
+  int min_matches = 60; 
   double search_radius_px = 100;  // around the feature's position in the first picture
   double min_parallax_deg = 1.0;  // median over the new points; 5 * 1.0 (paper)
-  int min_points = 50;
+  int min_points = 40;
 };
 
 /// Tracking (slam/tracker).
@@ -49,6 +50,7 @@ struct TrackerSettings {
   int min_motion_inliers = 10;  // fewer from the motion model: try the reference keyframe
   int min_inliers = 30;         // fewer in the local map: lost
   int min_inliers_relocalized = 50;
+  double new_map_after_s = 1.0;  // lost for this long, a new map is begun if one can be
   int local_keyframes = 40;  // that a frame's local map is made from
   double keyframe_ratio =
       0.9;  // new keyframe when fewer than this share of the reference's points is tracked

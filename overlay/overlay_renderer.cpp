@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "types/error.hpp"
 
 namespace depthscope::overlay {
 namespace {
@@ -45,7 +48,49 @@ OverlayRenderer::OverlayRenderer(const CameraModel& camera, const OverlaySetting
       surface_pass_(camera),
       inset_(camera, settings),
       labels_(camera, max_labels_) {
-  prepare(camera.width, camera.height);
+  warmUp();
+}
+
+/// Drivers translate shaders at the first draw call that needs them in just that state, which takes
+/// longer than a picture lasts. So everything is drawn once, out of sight, before the first picture
+/// comes.
+void OverlayRenderer::warmUp() {
+  const auto z = static_cast<float>(camera_.fx);
+  SurfaceMesh mesh;
+  mesh.vertices = {{-40, -40, z}, {40, -40, z}, {0, 40, z}};
+  mesh.normals.assign(3, {0, 0, -1});
+  mesh.confidence.assign(3, 1.0f);
+  mesh.triangles = {{0, 2, 1}};
+  const Label label{0, 0, {0, 0, z}, "warm"};
+  OverlayState state;
+  state.status = Status::Tracking;
+  state.confidence = 1;
+  const auto drawAt = [&](double time_s) {
+    state.time_s = time_s;
+    if (!draw(camera_.width, camera_.height, state))
+      throw InputError("overlay: the graphics driver fails to draw a " +
+                       std::to_string(camera_.width) + " x " + std::to_string(camera_.height) +
+                       " picture");
+  };
+  const OverlaySettings wanted = settings_;
+  settings_.inset = settings_.labels = true;
+  settings_.crossfade_s = 1;
+  for (CueMode cue : {CueMode::Chromadepth, CueMode::Mesh}) {
+    settings_.cue = cue;
+    for (double t : {0.0, 0.5}) {
+      setSurface(mesh);
+      setLabels(std::span(&label, 1));
+      drawAt(t);
+      drawAt(t + 0.25);
+    }
+  }
+  settings_ = wanted;
+  for (int i = 0; i < 2; ++i) setSurface({});
+  setLabels({});
+  range_.reset();
+  inset_.forget();
+  last_time_s_ = -1;
+  glFinish();
 }
 
 void OverlayRenderer::setSettings(const OverlaySettings& settings) {

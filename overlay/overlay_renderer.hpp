@@ -33,6 +33,7 @@ class OverlayRenderer {
   bool read(const PixelRect& rect, std::uint8_t* rgba);
 
  private:
+  void warmUp();
   bool prepare(int width, int height);
   float arAlpha(const OverlayState& state, int width, int height) const;
   Mark markFor(const OverlayState& state, float ar_alpha) const;

@@ -13,6 +13,8 @@ long allocationCount() {
 }
 }  // namespace depthscope::overlay
 
+// The sanitizers bring allocation functions of their own.
+#ifndef DEPTHSCOPE_SANITIZED
 void* operator new(std::size_t size) {
   ++allocations;
   if (void* p = std::malloc(size)) return p;
@@ -24,3 +26,4 @@ void operator delete(void* p) noexcept {
 void operator delete(void* p, std::size_t) noexcept {
   std::free(p);
 }
+#endif

@@ -33,10 +33,10 @@ namespace kazhdan = pcl::poisson;
 // which only the second is wanted.
 using Octree = kazhdan::Octree<2>;
 
-constexpr float kBoxScale = 1.1f;        // solver's cube over the bounding cube of the points
-constexpr int kNodePoolBlock = 1 << 12;  // octree nodes allocated at a time
-constexpr int kSolverBlockDepth =
-    8;  // solve and extract in blocks below this depth, to save memory
+constexpr float kMinBoxScale = 1.1f;      // solver's cube over the points' bounding cube, at least
+constexpr double kMarginCells = 2.5;      // free of points along each side of the cube: boxScale()
+constexpr int kNodePoolBlock = 1 << 12;   // octree nodes allocated at a time
+constexpr int kSolverBlockDepth = 8;      // solve and extract in blocks below it, to save memory
 constexpr int kSolverMinIterations = 8;   // of conjugate gradients at each depth
 constexpr double kSolverAccuracy = 1e-3;  // relative residual
 
@@ -46,16 +46,25 @@ int densityDepth(int depth) {
   return depth - 2;
 }
 
+/// Solver's cube over the bounding cube of the points. PCL's screening term reads past the end of
+/// its table of B-splines for points in the two outermost cells (multi_grid_octree_data.hpp,
+/// SetMatrixRow): keep those free.
+float boxScale(int depth) {
+  const double cells = 1 << depth;
+  return std::max(kMinBoxScale, static_cast<float>(cells / (cells - 2 * kMarginCells)));
+}
+
 }  // namespace
 
 int poissonDepth(const SupportCloud& cloud, float spacing, const ReconSettings& settings) {
   pcl::PointNormal low, high;
   pcl::getMinMax3D(cloud, low, high);
-  const float side = (high.getVector3fMap() - low.getVector3fMap()).maxCoeff() * kBoxScale;
-  const double cell = settings.poisson_cell * spacing;
-  const double depth = std::ceil(std::log2(std::max(1.0, side / cell)));
-  return std::clamp(static_cast<int>(depth), settings.poisson_min_depth,
-                    settings.poisson_max_depth);
+  const float side = (high.getVector3fMap() - low.getVector3fMap()).maxCoeff();
+  const double wanted = settings.poisson_cell * spacing;
+  int depth = settings.poisson_min_depth;
+  while (depth < settings.poisson_max_depth && side * boxScale(depth) / (1 << depth) > wanted)
+    ++depth;
+  return depth;
 }
 
 SurfaceMesh poissonSurface(const SupportCloud::ConstPtr& cloud, int depth,
@@ -71,7 +80,7 @@ SurfaceMesh poissonSurface(const SupportCloud::ConstPtr& cloud, int depth,
   float scale = 1;
   tree.setTree<pcl::PointNormal>(
       cloud, depth, std::min(depth, settings.poisson_min_depth), densityDepth(depth),
-      static_cast<float>(settings.poisson_samples_per_node), kBoxScale, corner, scale,
+      static_cast<float>(settings.poisson_samples_per_node), boxScale(depth), corner, scale,
       /*useConfidence=*/0, static_cast<float>(settings.poisson_point_weight),
       /*adaptiveWeights=*/true);
   tree.ClipTree();

@@ -17,6 +17,8 @@
 namespace depthscope::recon {
 namespace {
 
+constexpr int kMinDepth = 3;  // of the octree: fewer cells leave no room around the points
+
 void requireRange(const char* key, double value, double low, double high) {
   if (value >= low && value <= high) return;
   throw InputError(std::string("recon.") + key + ": " + std::to_string(value) +
@@ -37,7 +39,7 @@ void check(const ReconSettings& s) {
   requireRange("mls_radius", s.mls_radius, 0.5, 50);
   requireRange("mls_max_residual", s.mls_max_residual, 0.5, 100);
   requireRange("poisson_cell", s.poisson_cell, 0.05, 10);
-  requireRange("poisson_min_depth", s.poisson_min_depth, 2, 10);
+  requireRange("poisson_min_depth", s.poisson_min_depth, kMinDepth, 10);
   requireRange("poisson_max_depth", s.poisson_max_depth, s.poisson_min_depth, 10);
   requireRange("poisson_point_weight", s.poisson_point_weight, 0, 100);
   requireRange("poisson_samples_per_node", s.poisson_samples_per_node, 0.5, 50);
@@ -110,7 +112,7 @@ ReconStatus Reconstructor::run(const SparseCloud& cloud, SurfaceMesh& mesh,
 
   // Poisson (section 3.3), trimmed; coarser where the result would be too large.
   const auto max_triangles = static_cast<std::size_t>(settings_.max_triangles);
-  for (int depth = poissonDepth(*smooth, spacing, settings_); depth >= 2; --depth) {
+  for (int depth = poissonDepth(*smooth, spacing, settings_); depth >= kMinDepth; --depth) {
     if (stop.stop_requested()) return ReconStatus::Cancelled;
     mesh = poissonSurface(smooth, depth, settings_);
     if (stop.stop_requested()) return ReconStatus::Cancelled;

@@ -168,7 +168,7 @@ void drawColourBar(cv::Mat& canvas, cv::Rect area) {
   for (int d = -4; d <= 4; d += 2) {
     const int y =
         area.y + static_cast<int>(std::lround((1 - d / kMapLimit_mm) / 2 * (area.height - 1)));
-    drawText(canvas, (d > 0 ? "+" : "") + shortNumber(d), {area.x + area.width + 10, y + 5}, 0.5);
+    drawText(canvas, titled(d == 0 ? "%.0f" : "%+.0f", d), {area.x + area.width + 10, y + 5}, 0.5);
   }
   drawText(canvas, "distance [mm]", {area.x - 30, area.y - 14}, 0.5);
   drawText(canvas, "+ in front", {area.x - 30, area.y + area.height + 24}, 0.45);

@@ -44,6 +44,26 @@ void backSubstitute(const Matrix6d& L, Vector6d& x) {
 
 }  // namespace
 
+Eigen::Matrix3d inverseCholeskyFactor(const Eigen::Matrix3d& A) {
+  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
+  const double d0 = A(0, 0);
+  if (!(d0 > 0)) return M;
+  const double l00 = std::sqrt(d0), l10 = A(1, 0) / l00, l20 = A(2, 0) / l00;
+  const double d1 = A(1, 1) - l10 * l10;
+  if (!(d1 > 0)) return M;
+  const double l11 = std::sqrt(d1), l21 = (A(2, 1) - l20 * l10) / l11;
+  const double d2 = A(2, 2) - l20 * l20 - l21 * l21;
+  if (!(d2 > 0)) return M;
+  const double l22 = std::sqrt(d2);
+  M(0, 0) = 1 / l00;
+  M(1, 1) = 1 / l11;
+  M(2, 2) = 1 / l22;
+  M(1, 0) = -l10 * M(0, 0) / l11;
+  M(2, 1) = -l21 * M(1, 1) / l22;
+  M(2, 0) = -(l20 * M(0, 0) + l21 * M(1, 0)) / l22;
+  return M;
+}
+
 BlockCholesky::BlockCholesky(int max_blocks) {
   blocks_.resize(index(max_blocks, 0));
 }

@@ -8,6 +8,9 @@
 
 namespace depthscope::slam {
 
+/// Inverse of the Cholesky factor of A, lower triangular; zero when A is not positive definite.
+Eigen::Matrix3d inverseCholeskyFactor(const Eigen::Matrix3d& A);
+
 /// Symmetric positive definite system of 6x6 blocks, A x = b, in memory allocated by the
 /// constructor. Written out here, and not left to a library, so that the order of every sum (and so
 /// every bit of the result) is the same on every processor, whatever the size of its caches.

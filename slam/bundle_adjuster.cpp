@@ -12,27 +12,6 @@ constexpr double kMinLambda = 1e-10, kMaxLambda = 1e12;
 constexpr int kMinTermsOfPoint =
     2;  // one observation says nothing about a free point, nor it of a pose
 
-/// Inverse of the Cholesky factor of A, lower triangular; zero when A is not positive definite.
-Eigen::Matrix3d inverseFactor(const Eigen::Matrix3d& A) {
-  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
-  const double d0 = A(0, 0);
-  if (!(d0 > 0)) return M;
-  const double l00 = std::sqrt(d0), l10 = A(1, 0) / l00, l20 = A(2, 0) / l00;
-  const double d1 = A(1, 1) - l10 * l10;
-  if (!(d1 > 0)) return M;
-  const double l11 = std::sqrt(d1), l21 = (A(2, 1) - l20 * l10) / l11;
-  const double d2 = A(2, 2) - l20 * l20 - l21 * l21;
-  if (!(d2 > 0)) return M;
-  const double l22 = std::sqrt(d2);
-  M(0, 0) = 1 / l00;
-  M(1, 1) = 1 / l11;
-  M(2, 2) = 1 / l22;
-  M(1, 0) = -l10 * M(0, 0) / l11;
-  M(2, 1) = -l21 * M(1, 1) / l22;
-  M(2, 0) = -(l20 * M(0, 0) + l21 * M(1, 0)) / l22;
-  return M;
-}
-
 /// Squared whitened error; infinite behind the camera.
 double chi2(const Intrinsics& camera, const Pose& T_camera_world,
             const Eigen::Vector3d& point_world, const Eigen::Vector2d& pixel, double inv_sigma2) {
@@ -242,7 +221,7 @@ void BundleAdjuster::eliminatePoint(int point, double lambda) {
   PointBlock& block = point_blocks_[point];
   Eigen::Matrix3d damped = block.H;
   damped.diagonal() += lambda * block.H.diagonal();
-  block.L_inv = inverseFactor(damped);
+  block.L_inv = inverseCholeskyFactor(damped);
   const Eigen::Vector3d b = block.L_inv * block.b;
 
   // With Y = W L^-T the Schur complement is what is left after subtracting Y_i Y_j^T everywhere.

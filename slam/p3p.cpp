@@ -9,19 +9,17 @@ namespace {
 
 constexpr int kPolishSteps = 3;
 
-/// One real root of x^3 + b x^2 + c x + d: Newton's method from beyond the outermost root,
-/// polished.
+/// One real root of x^3 + b x^2 + c x + d, by Newton's method from where it converges from one
+/// side.
 double realRootOfCubic(double b, double c, double d) {
-  // All roots lie within Cauchy's bound; where there are stationary points, start on the outer side
-  // of the one that has the root beyond it.
   const double discriminant = b * b - 3 * c;
   double x = -b / 3;
   if (discriminant > 0) {
     const double inflection = -b / 3, reach = std::sqrt(discriminant) / 3;
     const double high = inflection - reach;  // local maximum
     const double value = ((high + b) * high + c) * high + d;
-    // A maximum above zero has a root on its left, one below zero leaves the only root on the right
-    // of the minimum; twice the reach is where the cubic is again as high or low.
+    // A maximum above zero has a root to its left; one below zero leaves the only root to the right
+    // of the minimum. There the curve bends one way only, and Newton's steps do not overshoot.
     x = value > 0 ? inflection - 2 * reach : inflection + 2 * reach;
   } else if (((x + b) * x + c) * x + d == 0) {
     return x;

@@ -69,7 +69,7 @@ double worstPoseError(BundleAdjuster& ba, const Scene& scene) {
   return worst;
 }
 
-/// Points are moved so that the pixels, rounded to float, are exact: 2^-14 px at 640 px.
+/// Pixels are rounded to float: 2^-15 px at 512 px and more.
 constexpr double kFloatPixel = 3e-5;
 
 TEST(BundleAdjuster, comesBackToTheTruthFromAFarStart) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -62,6 +63,34 @@ inline std::vector<Eigen::Vector3d> planePoints(int n, unsigned seed, const Eige
 inline Pose cameraAt(const Eigen::Vector3d& centre, const Eigen::Vector3d& rotation) {
   Pose T_world_camera{expSO3(rotation), centre};
   return T_world_camera.inverse();
+}
+
+/// Normal of a plane that fits no axis.
+inline const Eigen::Vector3d kTilted = Eigen::Vector3d(0.3, -0.2, 1).normalized();
+
+struct Matches {
+  std::vector<Eigen::Vector2f> first, second;
+  std::vector<std::uint8_t> correct;
+};
+
+/// Projections of points (first camera's frame) into both views, of which a share is replaced by
+/// nonsense.
+inline Matches project(const std::vector<Eigen::Vector3d>& points, const Pose& T_second_first,
+                       double noise_px, double outlier_share, unsigned seed) {
+  std::mt19937 rng(seed);
+  Matches m;
+  for (const auto& p : points) {
+    const bool outlier = uniform(rng, 0, 1) < outlier_share;
+    const Eigen::Vector2d a = testCamera().project(p) + gaussian2(rng, noise_px);
+    const Eigen::Vector2d b =
+        outlier
+            ? randomPixel(rng)
+            : Eigen::Vector2d(testCamera().project(T_second_first * p) + gaussian2(rng, noise_px));
+    m.first.push_back(a.cast<float>());
+    m.second.push_back(b.cast<float>());
+    m.correct.push_back(!outlier);
+  }
+  return m;
 }
 
 inline double rotationError(const Pose& a, const Pose& b) {

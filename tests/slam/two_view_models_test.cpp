@@ -1,0 +1,137 @@
+#include "slam/two_view_models.hpp"
+
+#include <gtest/gtest.h>
+
+#include "slam/epipolar_refinement.hpp"
+#include "slam/essential.hpp"
+#include "slam/homography.hpp"
+#include "slam/projection.hpp"
+#include "tests/slam/jacobian_check.hpp"
+#include "tests/slam/synthetic_scene.hpp"
+
+namespace depthscope::slam {
+namespace {
+
+using namespace testing;
+
+TEST(Homography, decompositionContainsTheMotion) {
+  std::mt19937 rng(1);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Pose truth = cameraAt({uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)},
+                                {uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)});
+    const Eigen::Matrix3d H = truth.R + truth.t * kTilted.transpose() / 3;
+    std::array<Pose, 8> motions;
+    const int count = decomposeHomography((trial % 2 ? -2.5 : 1.7) * H, motions);
+    ASSERT_EQ(count, 8);
+    double best = 1;
+    for (const Pose& p : motions) {
+      EXPECT_NEAR(p.R.determinant(), 1, 1e-9);
+      EXPECT_TRUE((p.R * p.R.transpose()).isIdentity(1e-9));
+      best = std::min(best, (p.R - truth.R).norm() + (p.t - truth.t.normalized()).norm());
+    }
+    EXPECT_LT(best, 1e-6);
+  }
+}
+
+TEST(Homography, ofARotationSaysNothingAboutTranslation) {
+  std::array<Pose, 8> motions;
+  EXPECT_EQ(decomposeHomography(3 * expSO3({0.1, 0.2, -0.1}), motions), 0);
+}
+
+TEST(Homography, fitsFourPointsAndMany) {
+  Eigen::Matrix3d truth;
+  truth << 1.1, 0.02, 0.1, -0.03, 0.95, -0.05, 0.04, 0.02, 1;
+  truth /= truth.norm();
+  std::mt19937 rng(2);
+  for (const int n : {4, 30}) {
+    std::vector<Eigen::Vector2d> first, second;
+    for (int i = 0; i < n; ++i) {
+      first.push_back(testCamera().normalize(randomPixel(rng)));
+      second.push_back((truth * first.back().homogeneous()).hnormalized());
+    }
+    Eigen::Matrix3d H;
+    ASSERT_TRUE(fitHomography(first, second, H));
+    EXPECT_LT(std::min((H - truth).norm(), (H + truth).norm()), 1e-9);
+  }
+}
+
+TEST(Essential, fivePointsFindTheTruthInGeneralAndPlanarScenes) {
+  std::mt19937 rng(3);
+  constexpr int kTrials = 200;
+  int found = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Pose truth =
+        cameraAt({uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)},
+                 {uniform(rng, -.3, .3), uniform(rng, -.3, .3), uniform(rng, -.3, .3)});
+    const auto points =
+        trial % 2 ? volumePoints(5, trial, 3, 8) : planePoints(5, trial, kTilted, 5);
+    std::array<Eigen::Vector2d, 5> first, second;
+    for (int i = 0; i < 5; ++i) {
+      first[i] = points[i].hnormalized();
+      second[i] = (truth * points[i]).hnormalized();
+    }
+    const Eigen::Matrix3d E_truth = skew(truth.t.normalized()) * truth.R;
+    std::array<Eigen::Matrix3d, 10> E;
+    const int count = solveEssentialFivePoint(first, second, E);
+    double best = 1;
+    for (int k = 0; k < count; ++k)
+      best = std::min({best, (E[k] - E_truth).norm(), (E[k] + E_truth).norm()});
+    found += best < 1e-5;
+  }
+  EXPECT_GE(found, kTrials * 0.97);
+}
+
+TEST(Essential, decompositionContainsTheMotion) {
+  const Pose truth = cameraAt({0.5, -0.3, 0.2}, {0.2, -0.1, 0.3});
+  std::array<Pose, 4> motions;
+  decomposeEssential(-3 * skew(truth.t) * truth.R, motions);
+  double best = 1;
+  for (const Pose& p : motions) {
+    EXPECT_NEAR(p.R.determinant(), 1, 1e-9);
+    best = std::min(best, (p.R - truth.R).norm() + (p.t - truth.t.normalized()).norm());
+  }
+  EXPECT_LT(best, 1e-9);
+}
+
+TEST(EpipolarRefinement, jacobianOfTheResidual) {
+  const Pose pose = cameraAt({0.5, -0.3, 0.2}, {0.2, -0.1, 0.3});
+  const Eigen::Vector2d first(0.2, -0.1), second(-0.3, 0.25);
+  EXPECT_TRUE((jacobianMatches<1, 6>(epipolarJacobian(pose, first, second), [&](const Vector6d& d) {
+    const Pose moved{expSO3(d.head<3>()) * pose.R, pose.t + d.tail<3>()};
+    return Eigen::Matrix<double, 1, 1>(epipolarResidual(moved, first, second));
+  })));
+}
+
+TEST(EpipolarRefinement, comesBackToTheTruth) {
+  Pose truth = cameraAt({0.5, -0.3, 0.2}, {0.05, -0.1, 0.1});
+  truth.t.normalize();
+  const Matches m = project(volumePoints(100, 1, 3, 7), truth, 0, 0, 1);
+  TwoViewMatches matches(testCamera(), 100);
+  matches.load(m.first, m.second);
+  Pose pose = truth.retract({0.03, -0.02, 0.02}, {0.1, 0.05, -0.1});
+  pose.t.normalize();
+  const double sigma = refineEpipolarGeometry(matches, m.correct, 1, 20, pose);
+  EXPECT_LT(rotationError(pose, truth), 1e-5) << "pixels are rounded to float";
+  EXPECT_LT((pose.t - truth.t).norm(), 1e-5);
+  EXPECT_GT(sigma, 0);
+  EXPECT_LT(sigma, 0.1);
+}
+
+TEST(EpipolarRefinement, foretellsTheSpreadOfTheDirection) {
+  Pose truth = cameraAt({0.5, -0.3, 0.2}, {0.05, -0.1, 0.1});
+  truth.t.normalize();
+  constexpr int kTrials = 200;
+  double sum = 0;
+  for (unsigned trial = 0; trial < kTrials; ++trial) {
+    const Matches m = project(volumePoints(100, trial, 3, 7), truth, 0.5, 0, trial + 1000);
+    TwoViewMatches matches(testCamera(), 100);
+    matches.load(m.first, m.second);
+    Pose pose = truth;
+    const double sigma = refineEpipolarGeometry(matches, m.correct, 0.5, 20, pose);
+    sum += (pose.t - truth.t).squaredNorm() / (sigma * sigma);
+  }
+  EXPECT_NEAR(sum / kTrials, 1, 0.3);
+}
+
+}  // namespace
+}  // namespace depthscope::slam

@@ -21,12 +21,16 @@ std::uint8_t average(std::uint8_t a, std::uint8_t b) {
 /// The patch around `centre`, as BinomialSmoothing would smooth it. A compact copy: the places of
 /// tests do not depend on the picture's stride, and all of it stays in the cache.
 void smoothPatch(const std::uint8_t* centre, std::ptrdiff_t stride, Patch& patch) {
+  constexpr int kWide = kPatchStride + 16;
+  std::array<std::uint8_t, static_cast<std::size_t>(kWide) * kPatchRows> columns;
   for (int v = 0; v < kPatchRows; ++v) {
     const std::uint8_t* here = centre + (v - kPatchRadius) * stride - kPatchRadius - 1;
     const std::uint8_t *above = here - stride, *below = here + stride;
-    std::array<std::uint8_t, kPatchStride + 16> row;
-    for (int i = 0; i < kPatchStride + 16; ++i)
-      row[i] = average(average(above[i], below[i]), here[i]);
+    std::uint8_t* out = columns.data() + v * kWide;
+    for (int i = 0; i < kWide; ++i) out[i] = average(average(above[i], below[i]), here[i]);
+  }
+  for (int v = 0; v < kPatchRows; ++v) {
+    const std::uint8_t* row = columns.data() + v * kWide;
     std::uint8_t* out = patch.data() + v * kPatchStride;
     for (int i = 0; i < kPatchStride; ++i)
       out[i] = average(average(row[i], row[i + 2]), row[i + 1]);

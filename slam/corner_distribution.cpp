@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace depthscope::slam {
 namespace {
@@ -14,9 +13,7 @@ constexpr int kSpare = 2;
 }  // namespace
 
 CornerDistribution::CornerDistribution(int width, int height, int capacity)
-    : width_(width),
-      height_(height),
-      covered_((static_cast<std::size_t>(width) + 8) * (static_cast<std::size_t>(height) + 8)) {
+    : covered_((static_cast<std::size_t>(width) + 8) * (static_cast<std::size_t>(height) + 8)) {
   sorted_.reserve(capacity);
   chosen_.reserve(capacity);
 }
@@ -27,6 +24,16 @@ void CornerDistribution::sortByScore(const std::vector<Corner>& corners) {
   for (int i = 1; i <= 256; ++i) begin[i] += begin[i - 1];
   sorted_.resize(corners.size());
   for (const Corner& c : corners) sorted_[begin[255 - c.score]++] = c;
+}
+
+/// The least spacing at which fewer than `wanted` corners can be chosen: they lie three cells
+/// apart.
+int CornerDistribution::tooWideFor(int wanted) const {
+  int spacing = 2;
+  while (spacing < 2 * std::max(width_, height_) &&
+         (width_ / (spacing / 2) / 3 + 1) * (height_ / (spacing / 2) / 3 + 1) >= wanted)
+    ++spacing;
+  return spacing;
 }
 
 /// Takes corners in order, each covering the square of about +-`spacing` around it.
@@ -46,29 +53,27 @@ void CornerDistribution::cover(int spacing, int at_most) {
   }
 }
 
-void CornerDistribution::reduce(int wanted, std::vector<Corner>& corners) {
+void CornerDistribution::reduce(int wanted, int width, int height, std::vector<Corner>& corners) {
+  width_ = width;
+  height_ = height;
+  sortByScore(corners);
   if (static_cast<int>(corners.size()) <= wanted) {
-    sortByScore(corners);
     corners.assign(sorted_.begin(), sorted_.end());
     return;
   }
-  sortByScore(corners);
+  corners.clear();
+  if (wanted <= 0) return;
   sorted_.resize(std::min(sorted_.size(), static_cast<std::size_t>(kSpare) * wanted));
   // The widest spacing that still gives `wanted`: more corners come with less spacing.
-  int enough = 0,
-      too_wide =
-          static_cast<int>(std::sqrt(static_cast<double>(width_) * height_ / std::max(wanted, 1))) *
-              2 +
-          4;
+  int enough = 0, too_wide = tooWideFor(wanted);
   while (too_wide - enough > 1) {
     const int spacing = (enough + too_wide) / 2;
     cover(spacing, wanted);
     (static_cast<int>(chosen_.size()) >= wanted ? enough : too_wide) = spacing;
   }
   cover(enough, wanted);
-  corners.clear();
-  for (int i = 0; i < std::min<int>(wanted, static_cast<int>(chosen_.size())); ++i)
-    corners.push_back(sorted_[chosen_[i]]);
+  chosen_.resize(wanted);
+  for (const std::uint32_t i : chosen_) corners.push_back(sorted_[i]);
 }
 
 }  // namespace depthscope::slam

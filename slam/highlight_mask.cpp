@@ -6,16 +6,21 @@
 namespace depthscope::slam {
 namespace {
 
-/// The brightest of each column of rows y..y+cell-1 (cell: a multiple of 4). Behind the last column
-/// `highest` stays zero.
-void highestOfRows(const ImageBuffer& image, int y, int cell, std::uint8_t* __restrict highest) {
+void raise(std::uint8_t* __restrict to, const std::uint8_t* __restrict from, int width) {
+  for (int x = 0; x < width; ++x) to[x] = std::max(to[x], from[x]);
+}
+
+/// highest[x]: the brightest of the cell x cell pixels right of and below (x, y). `workspace` has 8
+/// bytes more than `highest`, and both hold whole cells.
+void highestOfCells(const ImageBuffer& image, int y, int cell, std::vector<std::uint8_t>& workspace,
+                    std::vector<std::uint8_t>& highest) {
   const int width = image.width();
-  std::fill_n(highest, width, std::uint8_t{0});
-  for (int i = 0; i < cell; i += 4) {
-    const auto row = [&](int k) { return image.row(std::min(y + i + k, image.height() - 1)); };
-    const std::uint8_t *a = row(0), *b = row(1), *c = row(2), *d = row(3);
-    for (int x = 0; x < width; ++x)
-      highest[x] = std::max(highest[x], std::max(std::max(a[x], b[x]), std::max(c[x], d[x])));
+  std::fill(highest.begin(), highest.end(), std::uint8_t{0});
+  for (int i = 0; i < cell; ++i)
+    raise(highest.data(), image.row(std::min(y + i, image.height() - 1)), width);
+  for (int reach = 1; reach < cell; reach *= 2) {
+    std::copy(highest.begin(), highest.end(), workspace.begin());
+    raise(highest.data(), workspace.data() + reach, width);
   }
 }
 
@@ -29,6 +34,7 @@ HighlightMask::HighlightMask(const ImagePyramid& pyramid, const ExtractorSetting
       highlights_(pyramid.level(0).width(), pyramid.level(0).height(), cell_),
       brightness_(pyramid.level(pyramid.levels() - 1)),
       highest_(pyramid.level(0).stride()),
+      workspace_(highest_.size() + 8),
       tissue_(highlights_.columns()) {}
 
 void HighlightMask::update(const ImagePyramid& pyramid) {
@@ -36,14 +42,11 @@ void HighlightMask::update(const ImagePyramid& pyramid) {
   highlights_.clear();
   bool any = false;
   for (int r = 0; r < highlights_.rows(); ++r) {
-    highestOfRows(pyramid.level(0), r * cell_, cell_, highest_.data());
+    highestOfCells(pyramid.level(0), r * cell_, cell_, workspace_, highest_);
     brightness_.sampleRow((r + 0.5) / highlights_.rows(), tissue_);
     for (int c = 0; c < highlights_.columns(); ++c) {
-      const std::uint8_t* cell = highest_.data() + c * cell_;
-      std::uint8_t high = 0;
-      for (int i = 0; i < cell_; ++i) high = std::max(high, cell[i]);
       const auto limit = static_cast<int>((tissue_[c] * contrast_) >> 16);
-      if (high < std::min(limit, specular_threshold_)) continue;
+      if (highest_[c * cell_] < std::min(limit, specular_threshold_)) continue;
       highlights_.mark(c, r);
       any = true;
     }

@@ -30,8 +30,8 @@ class HighlightMask {
   std::uint32_t contrast_;  // times 256
   CellDistance highlights_;
   LocalBrightness brightness_;
-  std::vector<std::uint8_t> highest_;  // workspace: the brightest of each column of a row of cells
-  std::vector<std::uint16_t> tissue_;  // workspace: brightness of the tissue at a row of cells
+  std::vector<std::uint8_t> highest_, workspace_;  // a row of pixels each
+  std::vector<std::uint16_t> tissue_;              // brightness of the tissue at a row of cells
 };
 
 }  // namespace depthscope::slam

@@ -60,9 +60,10 @@ void LocalBrightness::sampleRow(double v, std::vector<std::uint16_t>& out) const
     blocks[c] = static_cast<int>(brightness_[r0 * kColumns + c] * (1 - (y - r0)) +
                                  brightness_[r1 * kColumns + c] * (y - r0));
   const auto n = static_cast<int>(out.size());
+  const int step = kColumns * 65536 / n;  // [1/65536 of a block] from one piece to the next
   for (int i = 0; i < n; ++i) {
     // Position along the row in 1/256 of a block, from the first block's middle.
-    const int x = std::clamp((2 * i + 1) * kColumns * 128 / n - 128, 0, (kColumns - 1) * 256);
+    const int x = std::clamp((i * step + step / 2) / 256 - 128, 0, (kColumns - 1) * 256);
     const int c = std::min(x / 256, kColumns - 2), part = x - c * 256;
     out[i] = static_cast<std::uint16_t>((blocks[c] * (256 - part) + blocks[c + 1] * part) / 256);
   }

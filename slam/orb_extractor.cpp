@@ -131,8 +131,8 @@ void OrbExtractor::shareQuota() {
 
 void OrbExtractor::describeLevel(int l, FeatureSet& out) {
   if (wanted_[l] == 0) return;
-  distribution_.reduce(wanted_[l], corners_[l]);
   const ImageBuffer& image = smooth_[l];
+  distribution_.reduce(wanted_[l], image.width(), image.height(), corners_[l]);
   for (const Corner& c : corners_[l]) {
     const std::optional<Keypoint> keypoint = keypointAt(c, l);
     if (!keypoint) continue;

@@ -8,4 +8,5 @@ vec3 depthColor(float t) {
 
 // Place on the ramp of a depth. Even in 1 / depth, like disparity: a step near by, where instruments work, gets more of the
 // colours than the same step far away. `scale`: near depth, near far / (far - near).
-float depthPlace(float depth, vec2 scale) { return (1.0 / scale.x - 1.0 / max(depth, 1e-6)) * scale.y; }
+float inverseDepthPlace(float inverse_depth, vec2 scale) { return (1.0 / scale.x - inverse_depth) * scale.y; }
+float depthPlace(float depth, vec2 scale) { return inverseDepthPlace(1.0 / max(depth, 1e-6), scale); }

@@ -6,14 +6,12 @@ uniform vec3 u_t_camera_surface;
 out vec3 v_bary;
 #endif
 out float v_fade;   // far below 0 all over a triangle with a corner that has no place in the picture
-out float v_depth;
 
 void main() {
   vec3 p = u_R_camera_surface * a_position + u_t_camera_surface;
 #ifdef CUE_MESH
   v_bary = a_bary_fade.xyz;
 #endif
-  v_depth = p.z;
   float valid;
   gl_Position = projectThroughLens(p, valid);
   v_fade = valid > 0.5 ? a_bary_fade.w : -1e6;

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "recon/mesh_geometry.hpp"
 #include "recon/mesh_io.hpp"
-#include "recon/surface_trimming.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::recon {

@@ -13,11 +13,4 @@ namespace depthscope::recon {
 void trimToSupport(SurfaceMesh& mesh, const SupportCloud::ConstPtr& support, float spacing,
                    const ReconSettings& settings);
 
-/// Drops connected pieces whose area is below `min_area` [map units^2] and vertices that no
-/// triangle uses.
-void dropSmallIslands(SurfaceMesh& mesh, float min_area);
-
-/// Unit vertex normals, each the area-weighted mean over its triangles.
-void computeNormals(SurfaceMesh& mesh);
-
 }  // namespace depthscope::recon

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "platform/camera_file.hpp"
+#include "recon/mesh_geometry.hpp"
 #include "recon/mesh_io.hpp"
-#include "recon/surface_trimming.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::platform {

@@ -37,69 +37,67 @@ std::string titled(const char* format, double value) {
   return text;
 }
 
-/// Orthographic view of the world from above one of its corners, fitted to a square.
+/// Orthographic view of a box from above one of its corners, fitted into an area of the canvas.
 class CornerView {
  public:
-  CornerView(const Eigen::AlignedBox3d& box, cv::Rect area) : centre_(box.center()) {
+  CornerView(const Eigen::AlignedBox3d& box, cv::Rect area) {
     view_ = (Eigen::AngleAxisd(-1.1, Eigen::Vector3d::UnitX()) *
              Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitZ()))
                 .toRotationMatrix();
-    scale_ = 0.9 * std::min(area.width, area.height) / box.diagonal().norm();
+    Eigen::AlignedBox2d seen;
+    for (int c = 0; c < 8; ++c)
+      seen.extend(Eigen::Vector2d(
+          (view_ * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(c))).head<2>()));
+    centre_ = seen.center();
+    scale_ = std::min(area.width / seen.sizes().x(), area.height / seen.sizes().y());
     middle_ = {area.x + area.width / 2., area.y + area.height / 2.};
   }
   cv::Point operator()(const Eigen::Vector3d& p) const {
-    const Eigen::Vector3d v = view_ * (p - centre_);
+    const Eigen::Vector2d v = (view_ * p).head<2>() - centre_;
     return {static_cast<int>(std::lround(middle_.x + scale_ * v.x())),
             static_cast<int>(std::lround(middle_.y - scale_ * v.y()))};
   }
 
  private:
-  Eigen::Vector3d centre_;
   Eigen::Matrix3d view_;
+  Eigen::Vector2d centre_;
   double scale_ = 1;
   cv::Point2d middle_;
 };
 
-/// The three edges of the box that meet in its lowest corner, with numbers.
+/// The three edges of the box that meet in its lowest corner, with numbers, and a grid on the walls
+/// between them.
 void drawBox(cv::Mat& canvas, const std::array<Axis, 3>& axes, const CornerView& view) {
   const Eigen::Vector3d low(axes[0].low, axes[1].low, axes[2].low);
   const Eigen::Vector3d high(axes[0].high, axes[1].high, axes[2].high);
-  for (int a = 0; a < 3; ++a) {
-    const Axis& axis = axes[static_cast<std::size_t>(a)];
-    for (int other = 1; other < 3; ++other) {  // grid on the two walls that this axis spans
-      const int b = (a + other) % 3;
-      for (double t : axis.ticks) {
-        Eigen::Vector3d from = low;
-        from[a] = t;
-        Eigen::Vector3d to = from;
-        to[b] = high[b];
-        cv::line(canvas, view(from), view(to), ink::grid, 1, cv::LINE_AA);
+  const auto on = [&](Eigen::Vector3d p, int axis, double value) {
+    p[axis] = value;
+    return p;
+  };
+  for (int a = 0; a < 3; ++a)
+    for (double t : axes[static_cast<std::size_t>(a)].ticks)
+      for (int other = 1; other < 3; ++other) {
+        const int b = (a + other) % 3;
+        const Eigen::Vector3d from = on(low, a, t);
+        cv::line(canvas, view(from), view(on(from, b, high[b])), ink::grid, 1, cv::LINE_AA);
       }
-    }
-  }
+  const std::array<cv::Point, 3> number_offset = {cv::Point(14, 18), {-14, 18}, {-10, 4}};
+  const std::array<cv::Point, 3> label_offset = {cv::Point(60, 52), {-60, 52}, {0, -18}};
   for (int a = 0; a < 3; ++a) {
-    const Axis& axis = axes[static_cast<std::size_t>(a)];
-    // Numbers stand on the edge of the box that faces the viewer, where no curve is.
-    Eigen::Vector3d edge = low;
-    if (a == 0) edge.y() = low.y();
-    Eigen::Vector3d end = edge;
-    end[a] = high[a];
-    cv::line(canvas, view(edge), view(end), ink::text, 1, cv::LINE_AA);
-    for (double t : axis.ticks) {
-      Eigen::Vector3d p = edge;
-      p[a] = t;
-      const cv::Point offset = a == 2 ? cv::Point(-8, 4) : cv::Point(a == 0 ? -2 : 10, 18);
-      drawText(canvas, shortNumber(t), view(p) + offset, 0.42, a == 1 ? Align::Left : Align::Right);
-    }
-    const cv::Point past = view(Eigen::Vector3d(end + 0.08 * (end - edge)));
-    drawText(canvas, axis.label, past + cv::Point(0, a == 2 ? -6 : 26), 0.5, Align::Centre);
+    const auto i = static_cast<std::size_t>(a);
+    cv::line(canvas, view(low), view(on(low, a, high[a])), ink::text, 1, cv::LINE_AA);
+    for (double t : axes[i].ticks)
+      drawText(canvas, shortNumber(t), view(on(low, a, t)) + number_offset[i], 0.42,
+               a == 0 ? Align::Left : Align::Right);
+    const double place = a == 2 ? high[a] : 0.5 * (low[a] + high[a]);
+    drawText(canvas, axes[i].label, view(on(low, a, place)) + label_offset[i], 0.5, Align::Centre);
   }
 }
 
 void drawTrajectory3d(const Evaluation& e, const std::filesystem::path& file) {
-  constexpr int kSide = 900;
+  constexpr int kSide = 900, kHeight = 760;
   cv::Mat canvas =
-      blank(kSide, kSide, titled("Camera trajectory, ATE RMSE %.3f mm", e.trajectory.ate_rmse));
+      blank(kSide, kHeight, titled("Camera trajectory, ATE RMSE %.3f mm", e.trajectory.ate_rmse));
   drawLegend(canvas, {kSide / 2 - 130, 60}, {{"truth", ink::truth}, {"estimate", ink::estimate}});
   Eigen::AlignedBox3d tight;
   for (const auto& p : e.truth) tight.extend(p.position);
@@ -111,13 +109,14 @@ void drawTrajectory3d(const Evaluation& e, const std::filesystem::path& file) {
     axes[static_cast<std::size_t>(a)] = roundAxis(tight.min()[a], tight.max()[a], 4, kNames[a]);
   box.extend(Eigen::Vector3d(axes[0].low, axes[1].low, axes[2].low));
   box.extend(Eigen::Vector3d(axes[0].high, axes[1].high, axes[2].high));
-  const CornerView view(box, {60, 90, kSide - 120, kSide - 150});
+  const CornerView view(box, {70, 110, kSide - 140, kHeight - 190});
   drawBox(canvas, axes, view);
   std::vector<cv::Point> truth;
   for (const auto& p : e.truth) truth.push_back(view(p.position));
-  cv::polylines(canvas, truth, false, ink::truth, 2, cv::LINE_AA);
-  for (const auto& p : e.trajectory.aligned)
-    cv::circle(canvas, view(p), 2, ink::estimate, cv::FILLED, cv::LINE_AA);
+  cv::polylines(canvas, truth, false, ink::truth, 5, cv::LINE_AA);
+  std::vector<cv::Point> estimate;
+  for (const auto& p : e.trajectory.aligned) estimate.push_back(view(p));
+  cv::polylines(canvas, estimate, false, ink::estimate, 1, cv::LINE_AA);
   save(file, canvas);
 }
 
@@ -145,7 +144,7 @@ void drawTrajectoryAxes(const Evaluation& e, const std::filesystem::path& file) 
     Chart chart(canvas, {kLeft, kTop + row * kStep, kWidth - kLeft - 30, kPanel}, time,
                 roundAxis(low, high, 4, kLabels[row]));
     chart.drawFrame();
-    if (row < 3) chart.drawCurve(truth, ink::truth, 3);
+    if (row < 3) chart.drawCurve(truth, ink::truth, 5);
     chart.drawCurve(estimate, row < 3 ? ink::estimate : ink::error, row < 3 ? 1 : 2);
   }
   save(file, canvas);

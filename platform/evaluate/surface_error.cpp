@@ -10,7 +10,8 @@
 namespace depthscope::platform {
 namespace {
 
-constexpr std::size_t kTruthSamples = 2500000;  // about 0.3 mm apart on a scene of a few organs
+constexpr double kTruthSamplesPerMm2 = 40;
+constexpr double kMaxTruthSamples = 2500000;  // still about 0.3 mm apart on a scene of a few organs
 constexpr float kSampleGap_mm =
     0.7f;  // lateral distance to a sample that is no distance to the surface
 constexpr double kLargeError_mm = 5;
@@ -83,7 +84,10 @@ PointIndex::Nearest PointIndex::nearest(const Eigen::Vector3f& query) const {
 }
 
 TrueSurface::TrueSurface(const SurfaceMesh& scene)
-    : samples_(sampleSurface(scene, kTruthSamples)), index_(samples_.points) {}
+    : samples_(sampleSurface(
+          scene, static_cast<std::size_t>(std::min(
+                     kMaxTruthSamples, std::ceil(kTruthSamplesPerMm2 * surfaceArea(scene)))))),
+      index_(samples_.points) {}
 
 float TrueSurface::distance(const Eigen::Vector3f& point) const {
   const PointIndex::Nearest n = index_.nearest(point);

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "recon/mesh_geometry.hpp"
+
 namespace depthscope::recon {
 namespace {
 

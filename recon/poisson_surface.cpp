@@ -87,6 +87,9 @@ SurfaceMesh poissonSurface(const SupportCloud::ConstPtr& cloud, int depth,
   tree.finalize();
   tree.RefineBoundary(kSolverBlockDepth);
   tree.SetLaplacianConstraints();
+  // It means to free this table but does not, and the next stage takes a new one.
+  delete[] tree.fData.dvDotTable;
+  tree.fData.dvDotTable = nullptr;
   tree.LaplacianMatrixIteration(kSolverBlockDepth, false, kSolverMinIterations, kSolverAccuracy);
   kazhdan::CoredVectorMeshData extracted;
   tree.GetMCIsoTriangles(tree.GetIsoValue(), kSolverBlockDepth, &extracted);

@@ -37,7 +37,8 @@ TEST(Reconstructor, FindsAPlane) {
   ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
   ASSERT_EQ(mesh.confidence.size(), mesh.vertices.size());
   EXPECT_EQ(mesh.map_id, 7u);
-  EXPECT_NEAR(area(mesh), 4, 1.2);  // the square, with a rim of at most two spacings
+  EXPECT_GT(area(mesh), 3.6);  // the square,
+  EXPECT_LT(area(mesh), 5.8);  // with a rim of at most two spacings
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const Eigen::Vector3f& p = mesh.vertices[v];
     if (p.head<2>().lpNorm<Eigen::Infinity>() > 0.9f) continue;  // the rim is less sure

@@ -3,10 +3,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
 #include <string>
 
+#include "platform/text_file.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::platform {
@@ -17,11 +16,7 @@ constexpr int max_side_px = 16384;
 /// The file's text with OpenCV's first line "%YAML:1.0", which YAML itself does not allow, blanked,
 /// so that line numbers stay.
 std::string readText(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf()))
-    throw InputError(path.string() + ": cannot be read, expected a camera file (OpenCV YAML)");
-  std::string all = text.str();
+  std::string all = readTextFile(path, "a camera file (OpenCV YAML)");
   if (all.starts_with("%YAML:")) all.erase(0, std::min(all.find('\n'), all.size()));
   return all;
 }

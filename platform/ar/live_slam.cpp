@@ -11,7 +11,8 @@ LiveSlam::LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam,
       worker_(recon, [this](const recon::ReconReport& report) {
         if (report.status == recon::ReconStatus::OutOfMemory ||
             report.status == recon::ReconStatus::Failed)
-          log(LogPriority::Warning, "reconstruction failed", {{"points", report.points}});
+          log(LogPriority::Warning, "reconstruction failed",
+              {{"why", recon::toString(report.status)}, {"points", report.points}});
         if (report.status != recon::ReconStatus::Ok) return;
         const std::lock_guard lock(times_mutex_);
         reconstruct_ms_.add(report.duration_ms);

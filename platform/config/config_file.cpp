@@ -3,10 +3,10 @@
 #include <toml++/toml.h>
 
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 #include "platform/config/setting_table.hpp"
+#include "platform/text_file.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::platform {
@@ -130,13 +130,9 @@ void applyTable(const std::vector<Setting>& table, const toml::table& node,
 }  // namespace
 
 void loadConfig(const std::filesystem::path& path, Settings& settings) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  // A folder opens but does not read.
-  if (!in || !(text << in.rdbuf()))
-    throw InputError(path.string() + ": cannot be read, expected a configuration file");
+  const std::string text = readTextFile(path, "a configuration file");
   try {
-    const toml::table root = toml::parse(text.str(), path.string());
+    const toml::table root = toml::parse(text, path.string());
     applyTable(settingTable(settings), root, "", path.string());
   } catch (const toml::parse_error& error) {
     throw InputError(path.string() + ":" + std::to_string(error.source().begin.line) +

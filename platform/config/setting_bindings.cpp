@@ -99,6 +99,8 @@ void bindSlam(Binder& b, slam::SlamSettings& s) {
            "that a frame's local map is made from");
   b.number("keyframe_ratio", s.tracker.keyframe_ratio, 0, 1,
            "new keyframe below this share of the reference's points");
+  b.number("new_map_after_s", s.tracker.new_map_after_s, 0.05, 3600,
+           "lost for this long, a new map is begun if one can be");
 
   b.section("slam.mapper");
   b.number("neighbours", s.mapper.neighbours, 1, 100, "keyframes to triangulate with");
@@ -127,6 +129,8 @@ void bindRecon(Binder& b, recon::ReconSettings& s) {
            "of a point, root mean square");
   b.number("max_view_tilt_deg", s.max_view_tilt_deg, 10, 90,
            "between surface normal and line of sight");
+  b.number("max_distance", s.max_distance, 1, 1000,
+           "[median distance to the centre of the cloud] farther is a failed triangulation");
   b.number("spacing_neighbours", s.spacing_neighbours, 1, 50,
            "spacing: distance to this neighbour, median over the cloud");
   b.number("outlier_radius", s.outlier_radius, 0.1, 100, "[spacing] of the radius filter");

@@ -66,7 +66,9 @@ void ArSupervisor::start(Clock::time_point now) {
                                                           {commands.get(), child_commands_fd},
                                                           {event.get(), child_event_fd}}};
     // What a predecessor left is of another map.
-    memory_.block().pose.write(encodePose({.frame = 0}));
+    PoseEstimate nothing_yet;
+    nothing_yet.frame = 0;
+    memory_.block().pose.write(encodePose(nothing_yet));
     memory_.block().labels.write(WireLabels{});
     policy_.started(now);
     child_ = ChildProcess(command_, descriptors);

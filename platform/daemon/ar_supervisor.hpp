@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "platform/config/settings.hpp"
 #include "platform/daemon/child_process.hpp"
 #include "platform/daemon/restart_policy.hpp"
 #include "platform/ipc/shared_memory.hpp"

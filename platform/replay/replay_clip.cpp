@@ -4,6 +4,7 @@
 
 #include "platform/camera_file.hpp"
 #include "platform/interrupt.hpp"
+#include "platform/log.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::platform {
@@ -52,9 +53,13 @@ capture::Frame nextFrame(const ReplayOptions& options, ReplayClip& clip) {
 }
 
 void requireComplete(const ReplayOptions& options, const ReplayClip& clip, std::int64_t frames) {
+  const std::string damage = clip.source->damage();
   if (frames < clip.frames)
-    throw InputError(options.input.string() + ": ends after " + std::to_string(frames) +
-                     " frames, expected " + std::to_string(clip.frames) + " (truncated?)");
+    throw InputError(
+        damage.empty() ? options.input.string() + ": ends after " + std::to_string(frames) +
+                             " of " + std::to_string(clip.frames) + " frames, expected a whole clip"
+                       : damage + ", expected a whole clip");
+  if (!damage.empty()) log(LogPriority::Warning, "the clip is damaged", {{"what", damage}});
 }
 
 }  // namespace depthscope::platform

@@ -6,6 +6,7 @@
 #include "platform/replay/overlay_recorder.hpp"
 #include "platform/replay/replay_options.hpp"
 #include "platform/replay/run_record.hpp"
+#include "recon/reconstructor.hpp"
 
 namespace depthscope::platform {
 
@@ -31,16 +32,28 @@ slam::SlamSettings slamSettings(const ReplayOptions& options, const ReplayClip& 
 /// damaged or changes its size, std::runtime_error when the user interrupts.
 capture::Frame nextFrame(const ReplayOptions& options, ReplayClip& clip);
 
-/// Throws InputError when fewer pictures came than the clip's file announced.
+/// At the clip's end: throws InputError when fewer pictures came than its file announced, and warns
+/// when some were damaged.
 void requireComplete(const ReplayOptions& options, const ReplayClip& clip, std::int64_t frames);
 
-/// What a replay leaves besides the video.
+/// What a replay leaves besides the video. Cloud, surface and trajectory are of the main map.
 struct ReplayResult {
   RunRecord record;
   SparseCloud cloud;
   SurfaceMesh surface;
   std::vector<slam::StampedPose> trajectory;
 };
+
+/// Takes cloud, trajectory and counts over from SLAM at the end, and gives `result.surface` its
+/// last version: of the whole main map where it can be reconstructed, else the one it had, if of
+/// that map.
+void takeFinalMap(const ReplayOptions& options, const slam::SlamSystem& slam,
+                  recon::Reconstructor& reconstructor, ReplayResult& result);
+
+/// Reconstructs `cloud` into `mesh` and records the time; false, and `mesh` as it was, when there
+/// is no surface.
+bool reconstruct(recon::Reconstructor& reconstructor, const SparseCloud& cloud, SurfaceMesh& mesh,
+                 RunMetrics& metrics);
 
 /// Tracks every frame, maps before the next one, reconstructs every period and at the end: the same
 /// clip gives the same result. `recorder` may be null.

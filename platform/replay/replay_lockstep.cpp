@@ -1,10 +1,7 @@
 #include "capture/pixel_convert.hpp"
 #include "platform/label_board.hpp"
-#include "platform/log.hpp"
 #include "platform/replay/replay_clip.hpp"
-#include "platform/stopwatch.hpp"
 #include "platform/surface_schedule.hpp"
-#include "recon/reconstructor.hpp"
 #include "types/allocation_scope.hpp"
 
 namespace depthscope::platform {
@@ -56,23 +53,13 @@ class LockstepReplay {
         !schedule_.due(estimate.timestamp_s))
       return;
     schedule_.surfaceRequested(estimate.timestamp_s);
-    if (!reconstruct() || recorder_ == nullptr) return;
+    slam_.copyCloud(result_.cloud);
+    if (!reconstruct(reconstructor_, result_.cloud, result_.surface, result_.record.metrics()) ||
+        recorder_ == nullptr)
+      return;
     recorder_->compositor().setSurface(result_.surface);
     if (labels_.anchorWaiting(result_.surface, options_.camera, estimate))
       recorder_->compositor().setLabels(labels_.labels());
-  }
-
-  bool reconstruct() {
-    RunMetrics& metrics = result_.record.metrics();
-    const Stopwatch watch;
-    slam_.copyCloud(result_.cloud);
-    const recon::ReconStatus status = reconstructor_.reconstruct(result_.cloud, result_.surface);
-    if (status == recon::ReconStatus::OutOfMemory || status == recon::ReconStatus::Failed)
-      log(LogPriority::Warning, "reconstruction failed", {{"points", result_.cloud.points.size()}});
-    if (status != recon::ReconStatus::Ok) return false;
-    metrics.reconstruct.add(watch.elapsedMs());
-    ++metrics.surfaces;
-    return true;
   }
 
   void show(const capture::Frame& frame, const PoseEstimate& estimate) {
@@ -83,15 +70,8 @@ class LockstepReplay {
 
   ReplayResult finish(std::int64_t frames) {
     result_.record.close();
-    if (options_.surface) reconstruct();
-    slam_.copyCloud(result_.cloud);
-    // A surface of a map that was given up since is not in the trajectory's frame.
-    if (result_.surface.map_id != result_.cloud.map_id) result_.surface.clear();
-    RunMetrics& metrics = result_.record.metrics();
-    metrics.frames = frames;
-    metrics.slam = slam_.statistics();
-    metrics.surface_triangles = result_.surface.triangles.size();
-    result_.trajectory = slam_.correctedTrajectory();
+    result_.record.metrics().frames = frames;
+    takeFinalMap(options_, slam_, reconstructor_, result_);
     return std::move(result_);
   }
 

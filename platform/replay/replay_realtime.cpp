@@ -61,20 +61,16 @@ class RealtimeReplay {
   ReplayResult finish(std::int64_t frames) {
     tracking_.stop();
     tracking_.takeSurface(surface_);
-    const slam::SlamSystem& slam = tracking_.live().slam();
-    ReplayResult result{
-        std::move(tracking_.record()), {}, std::move(surface_), slam.correctedTrajectory()};
+    ReplayResult result{std::move(tracking_.record()), {}, std::move(surface_), {}};
     result.record.close();
-    slam.copyCloud(result.cloud);
-    if (result.surface.map_id != result.cloud.map_id) result.surface.clear();
     RunMetrics& metrics = result.record.metrics();
     metrics.frames = frames;
     metrics.dropped_frames = frames - static_cast<std::int64_t>(metrics.track.count());
-    metrics.slam = slam.statistics();
     metrics.reconstruct = tracking_.live().reconstructTimes();
     metrics.surfaces = static_cast<std::int64_t>(metrics.reconstruct.count());
-    metrics.surface_triangles = result.surface.triangles.size();
     metrics.composite = composite_ms_;
+    recon::Reconstructor reconstructor(options_.settings.recon);
+    takeFinalMap(options_, tracking_.live().slam(), reconstructor, result);
     return result;
   }
 

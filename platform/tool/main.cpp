@@ -5,6 +5,8 @@
 #include <string_view>
 
 #include "platform/arguments.hpp"
+#include "platform/calibrate/calibrate_command.hpp"
+#include "platform/evaluate/evaluate_command.hpp"
 #include "platform/library_logs.hpp"
 #include "platform/replay/replay_command.hpp"
 #include "platform/tool/control_commands.hpp"
@@ -22,6 +24,8 @@ struct Command {
 
 constexpr Command commands[] = {
     {"replay", replayCommand, "track, reconstruct and draw over a recorded clip"},
+    {"evaluate", evaluateCommand, "judge a run against ground truth"},
+    {"calibrate", calibrateCommand, "make a camera file from pictures of a board"},
     {"status", statusCommand, "what the running daemon does (--json for scripts)"},
     {"reconstruct", reconstructCommand, "make a new surface now"},
     {"overlay", overlayCommand, "how depth is shown: off, chromadepth or mesh"},

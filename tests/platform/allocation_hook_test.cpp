@@ -26,7 +26,9 @@ class AllocationHook : public ::testing::Test {
 };
 
 /// Keeps the optimizer from taking an allocation out.
-void touch(void* p) { asm volatile("" : : "g"(p) : "memory"); }
+void touch(void* p) {
+  asm volatile("" : : "g"(p) : "memory");
+}
 
 TEST_F(AllocationHook, CountsEachKindInsideAScope) {
   EXPECT_EQ(counted([] {
@@ -60,9 +62,7 @@ TEST_F(AllocationHook, CountsNothingOutside) {
 TEST_F(AllocationHook, ScopesAreOfOneThread) {
   EXPECT_EQ(counted([] {
               std::thread other;
-              {
-                const AllocationScope scope;
-              }
+              { const AllocationScope scope; }
               other = std::thread([] {
                 std::vector<int> v(1000);
                 touch(v.data());

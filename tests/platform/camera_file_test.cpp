@@ -16,7 +16,9 @@ constexpr const char* pinhole =
 
 class CameraFile : public ::testing::Test {
  protected:
-  CameraModel load(const std::string& text) { return loadCameraFile(folder_.write("camera.yaml", text)); }
+  CameraModel load(const std::string& text) {
+    return loadCameraFile(folder_.write("camera.yaml", text));
+  }
   /// The pinhole file with one line replaced.
   std::string with(const std::string& key, const std::string& line) {
     std::string text = pinhole;
@@ -43,7 +45,8 @@ TEST_F(CameraFile, ReadsTheOptionalThirdRadialTerm) {
 
 TEST_F(CameraFile, ReadsAFisheyeCamera) {
   const CameraModel c = load(
-      "image_width: 800\nimage_height: 600\ncamera_model: fisheye\nfx: 300\nfy: 300\ncx: 400\ncy: 300\n"
+      "image_width: 800\nimage_height: 600\ncamera_model: fisheye\nfx: 300\nfy: 300\ncx: 400\ncy: "
+      "300\n"
       "k1: 0.1\nk2: 0.2\nk3: 0.3\nk4: 0.4\n");
   EXPECT_EQ(c.kind, CameraModel::Kind::Fisheye);
   EXPECT_EQ(c.fps, 0);
@@ -51,14 +54,16 @@ TEST_F(CameraFile, ReadsAFisheyeCamera) {
 }
 
 TEST_F(CameraFile, NamesEveryMissingKey) {
-  for (const char* key : {"image_width", "image_height", "camera_model", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"})
-    EXPECT_INPUT_ERROR(load(with(key, "")), HasSubstr("camera.yaml"), HasSubstr(std::string(key) + ": is missing"));
+  for (const char* key : {"image_width", "image_height", "camera_model", "fx", "fy", "cx", "cy",
+                          "k1", "k2", "p1", "p2"})
+    EXPECT_INPUT_ERROR(load(with(key, "")), HasSubstr("camera.yaml"),
+                       HasSubstr(std::string(key) + ": is missing"));
 }
 
 TEST_F(CameraFile, RefusesWhatIsNoFiniteNumber) {
   for (const char* value : {"nan", ".nan", "inf", "-.inf", "1e999", "abc", "12px", "", "[1, 2]"})
-    EXPECT_INPUT_ERROR(load(with("cx", std::string("cx: ") + value)), HasSubstr("camera.yaml"), HasSubstr("cx: "),
-                       HasSubstr("finite"));
+    EXPECT_INPUT_ERROR(load(with("cx", std::string("cx: ") + value)), HasSubstr("camera.yaml"),
+                       HasSubstr("cx: "), HasSubstr("finite"));
 }
 
 TEST_F(CameraFile, RefusesSizesAndFocalLengthsThatCannotBe) {
@@ -70,8 +75,8 @@ TEST_F(CameraFile, RefusesSizesAndFocalLengthsThatCannotBe) {
 }
 
 TEST_F(CameraFile, RefusesAnUnknownModel) {
-  EXPECT_INPUT_ERROR(load(with("camera_model", "camera_model: omni")), HasSubstr("camera_model: omni"),
-                     HasSubstr("pinhole or fisheye"));
+  EXPECT_INPUT_ERROR(load(with("camera_model", "camera_model: omni")),
+                     HasSubstr("camera_model: omni"), HasSubstr("pinhole or fisheye"));
 }
 
 TEST_F(CameraFile, RefusesWhatIsNoCameraFile) {
@@ -86,8 +91,10 @@ TEST_F(CameraFile, RefusesWhatIsNoCameraFile) {
 TEST_F(CameraFile, ComparesItsSizeWithTheClips) {
   const CameraModel c = load(pinhole);
   EXPECT_NO_THROW(requireSize(c, "camera.yaml", 640, 480));
-  EXPECT_INPUT_ERROR(requireSize(c, "camera.yaml", 1024, 480), HasSubstr("camera.yaml: image_width"), HasSubstr("1024"));
-  EXPECT_INPUT_ERROR(requireSize(c, "camera.yaml", 640, 768), HasSubstr("camera.yaml: image_height"), HasSubstr("768"));
+  EXPECT_INPUT_ERROR(requireSize(c, "camera.yaml", 1024, 480),
+                     HasSubstr("camera.yaml: image_width"), HasSubstr("1024"));
+  EXPECT_INPUT_ERROR(requireSize(c, "camera.yaml", 640, 768),
+                     HasSubstr("camera.yaml: image_height"), HasSubstr("768"));
 }
 
 }  // namespace

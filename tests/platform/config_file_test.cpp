@@ -21,7 +21,9 @@ class ConfigFile : public ::testing::Test {
 };
 
 TEST_F(ConfigFile, SetsTheFieldsItNamesAndNoOthers) {
-  load("[overlay]\ncue = \"mesh\"\nopacity = 1\n[slam.extractor]\nfeatures = 2000\n[capture]\nloop = false\n");
+  load(
+      "[overlay]\ncue = \"mesh\"\nopacity = 1\n[slam.extractor]\nfeatures = 2000\n[capture]\nloop "
+      "= false\n");
   EXPECT_EQ(settings_.overlay.cue, overlay::CueMode::Mesh);
   EXPECT_EQ(settings_.overlay.opacity, 1.0f);
   EXPECT_EQ(settings_.slam.extractor.features, 2000);
@@ -30,43 +32,54 @@ TEST_F(ConfigFile, SetsTheFieldsItNamesAndNoOthers) {
 }
 
 TEST_F(ConfigFile, NamesLineAndKeyOfAnUnknownKey) {
-  EXPECT_INPUT_ERROR(load("[overlay]\n\nopaqueness = 1\n"), HasSubstr("a.toml:3:"), HasSubstr("overlay.opaqueness"),
-                     HasSubstr("opacity"));
+  EXPECT_INPUT_ERROR(load("[overlay]\n\nopaqueness = 1\n"), HasSubstr("a.toml:3:"),
+                     HasSubstr("overlay.opaqueness"), HasSubstr("opacity"));
 }
 
 TEST_F(ConfigFile, NamesAnUnknownSection) {
-  EXPECT_INPUT_ERROR(load("[overlays]\ncue = \"mesh\"\n"), HasSubstr("a.toml:1:"), HasSubstr("overlays"), HasSubstr("[overlay]"));
+  EXPECT_INPUT_ERROR(load("[overlays]\ncue = \"mesh\"\n"), HasSubstr("a.toml:1:"),
+                     HasSubstr("overlays"), HasSubstr("[overlay]"));
 }
 
 TEST_F(ConfigFile, NamesWhatAWrongTypeShouldHaveBeen) {
   EXPECT_INPUT_ERROR(load("[slam.extractor]\nfeatures = 10.5\n"), HasSubstr("a.toml:2:"),
-                     HasSubstr("slam.extractor.features = 10.5"), HasSubstr("an integer from 100 to 10000"));
-  EXPECT_INPUT_ERROR(load("[overlay]\ninset = 1\n"), HasSubstr("overlay.inset"), HasSubstr("true or false"));
-  EXPECT_INPUT_ERROR(load("[overlay]\nopacity = \"high\"\n"), HasSubstr("overlay.opacity"), HasSubstr("a number from 0 to 1"));
-  EXPECT_INPUT_ERROR(load("[capture]\ninput = 7\n"), HasSubstr("capture.input"), HasSubstr("a text in quotes"));
+                     HasSubstr("slam.extractor.features = 10.5"),
+                     HasSubstr("an integer from 100 to 10000"));
+  EXPECT_INPUT_ERROR(load("[overlay]\ninset = 1\n"), HasSubstr("overlay.inset"),
+                     HasSubstr("true or false"));
+  EXPECT_INPUT_ERROR(load("[overlay]\nopacity = \"high\"\n"), HasSubstr("overlay.opacity"),
+                     HasSubstr("a number from 0 to 1"));
+  EXPECT_INPUT_ERROR(load("[capture]\ninput = 7\n"), HasSubstr("capture.input"),
+                     HasSubstr("a text in quotes"));
   EXPECT_INPUT_ERROR(load("overlay = 3\n"), HasSubstr("overlay"));
   EXPECT_INPUT_ERROR(load("[overlay.opacity]\n"), HasSubstr("overlay.opacity"));
 }
 
 TEST_F(ConfigFile, NamesTheRangeOfAValueOutsideIt) {
-  EXPECT_INPUT_ERROR(load("[overlay]\nopacity = 1.5\n"), HasSubstr("a.toml:2:"), HasSubstr("0 to 1"));
+  EXPECT_INPUT_ERROR(load("[overlay]\nopacity = 1.5\n"), HasSubstr("a.toml:2:"),
+                     HasSubstr("0 to 1"));
   EXPECT_INPUT_ERROR(load("[overlay]\nopacity = nan\n"), HasSubstr("0 to 1"));
   EXPECT_INPUT_ERROR(load("[overlay]\nopacity = inf\n"), HasSubstr("0 to 1"));
-  EXPECT_INPUT_ERROR(load("[overlay]\ncue = \"rainbow\"\n"), HasSubstr("\"off\", \"chromadepth\", \"mesh\""));
+  EXPECT_INPUT_ERROR(load("[overlay]\ncue = \"rainbow\"\n"),
+                     HasSubstr("\"off\", \"chromadepth\", \"mesh\""));
   EXPECT_INPUT_ERROR(load("[slam.extractor]\nfeatures = 99999999999\n"), HasSubstr("100 to 10000"));
 }
 
 TEST_F(ConfigFile, NamesTheLineWhereTheTextIsNotToml) {
-  EXPECT_INPUT_ERROR(load("[overlay]\nopacity = \n"), HasSubstr("a.toml:2:"), HasSubstr("not TOML"));
+  EXPECT_INPUT_ERROR(load("[overlay]\nopacity = \n"), HasSubstr("a.toml:2:"),
+                     HasSubstr("not TOML"));
   EXPECT_INPUT_ERROR(load("[overlay]\nopacity = 0.1\nopacity = 0.2\n"), HasSubstr("a.toml:3:"));
 }
 
 TEST_F(ConfigFile, SaysWhenTheFileCannotBeRead) {
-  EXPECT_INPUT_ERROR(loadConfig(folder_.path() / "missing.toml", settings_), HasSubstr("missing.toml"));
+  EXPECT_INPUT_ERROR(loadConfig(folder_.path() / "missing.toml", settings_),
+                     HasSubstr("missing.toml"));
   EXPECT_INPUT_ERROR(loadConfig(folder_.path(), settings_), HasSubstr("cannot be read"));
 }
 
-TEST_F(ConfigFile, AnEmptyFileChangesNothing) { EXPECT_NO_THROW(load("")); }
+TEST_F(ConfigFile, AnEmptyFileChangesNothing) {
+  EXPECT_NO_THROW(load(""));
+}
 
 TEST_F(ConfigFile, OverridesTakeTextsWithAndWithoutQuotes) {
   applyOverride("overlay.cue=mesh", settings_);
@@ -82,7 +95,8 @@ TEST_F(ConfigFile, OverridesTakeTextsWithAndWithoutQuotes) {
 }
 
 TEST_F(ConfigFile, OverridesAreCheckedLikeTheFile) {
-  EXPECT_INPUT_ERROR(applyOverride("overlay.opacity=2", settings_), HasSubstr("--set overlay.opacity"), HasSubstr("0 to 1"));
+  EXPECT_INPUT_ERROR(applyOverride("overlay.opacity=2", settings_),
+                     HasSubstr("--set overlay.opacity"), HasSubstr("0 to 1"));
   EXPECT_INPUT_ERROR(applyOverride("overlay.nothing=2", settings_), HasSubstr("overlay.nothing"));
   EXPECT_INPUT_ERROR(applyOverride("overlay.opacity", settings_), HasSubstr("section.key=value"));
   EXPECT_INPUT_ERROR(applyOverride("overlay.opacity=much", settings_), HasSubstr("0 to 1"));

@@ -47,12 +47,14 @@ TEST_F(ControlServerTest, AnswersOneLineWithOneAnswer) {
 
 TEST_F(ControlServerTest, PassesTheDaemonsRefusalOn) {
   serve([](std::string_view, UniqueFd) { return std::string("error not now"); });
-  EXPECT_THAT([&] { controlRequest(path_, "x"); }, ::testing::ThrowsMessage<std::runtime_error>("not now"));
+  EXPECT_THAT([&] { controlRequest(path_, "x"); },
+              ::testing::ThrowsMessage<std::runtime_error>("not now"));
 }
 
 TEST_F(ControlServerTest, TakesADescriptorAlong) {
   serve([](std::string_view, UniqueFd fd) {
-    return ::write(fd.get(), "hello", 5) == 5 ? std::string("ok") : std::string("error no descriptor");
+    return ::write(fd.get(), "hello", 5) == 5 ? std::string("ok")
+                                              : std::string("error no descriptor");
   });
   const auto file = folder_.write("out", "");
   FILE* out = std::fopen(file.c_str(), "w");
@@ -78,7 +80,8 @@ TEST_F(ControlServerTest, TakesAStaleSocketsPlaceButNoFilesAndNoOtherDaemons) {
 
 TEST(ControlClient, SaysWhenNoDaemonRuns) {
   const TemporaryFolder folder;
-  EXPECT_INPUT_ERROR(controlRequest(folder.path() / "none.sock", "status"), HasSubstr("none.sock"), HasSubstr("depthscoped"));
+  EXPECT_INPUT_ERROR(controlRequest(folder.path() / "none.sock", "status"), HasSubstr("none.sock"),
+                     HasSubstr("depthscoped"));
 }
 
 }  // namespace

@@ -13,9 +13,12 @@ namespace {
 /// A picture of this size with padding after each row, all pixels but the padding of one value.
 struct Picture {
   Picture(int width, int height, int stride, std::uint8_t value)
-      : pixels(static_cast<std::size_t>(stride * height), 0xEE), view{pixels.data(), width, height, stride} {
+      : pixels(static_cast<std::size_t>(stride * height), 0xEE),
+        view{pixels.data(), width, height, stride} {
     for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) pixels[static_cast<std::size_t>(y * stride + x)] = static_cast<std::uint8_t>(value + x + 3 * y);
+      for (int x = 0; x < width; ++x)
+        pixels[static_cast<std::size_t>(y * stride + x)] =
+            static_cast<std::uint8_t>(value + x + 3 * y);
   }
   std::vector<std::uint8_t> pixels;
   GrayView view;
@@ -25,8 +28,8 @@ class FrameRingSizes : public ::testing::TestWithParam<std::tuple<int, int, int>
 
 TEST_P(FrameRingSizes, HandsOverEveryPixel) {
   const auto [width, height, stride] = GetParam();
-  const SharedMemory memory =
-      SharedMemory::create({static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 1, 1});
+  const SharedMemory memory = SharedMemory::create(
+      {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 1, 1});
   FrameRingWriter writer(memory);
   FrameRingReader reader(memory);
   std::vector<std::uint8_t> out(static_cast<std::size_t>(width * height));
@@ -40,14 +43,16 @@ TEST_P(FrameRingSizes, HandsOverEveryPixel) {
     EXPECT_EQ(info.timestamp_s, i / 30.0);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
-        ASSERT_EQ(out[static_cast<std::size_t>(y * width + x)], picture.view.row(y)[x]) << x << "," << y;
+        ASSERT_EQ(out[static_cast<std::size_t>(y * width + x)], picture.view.row(y)[x])
+            << x << "," << y;
     EXPECT_FALSE(reader.takeNewest(out, info));
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, FrameRingSizes,
-                         ::testing::Values(std::tuple{64, 48, 64}, std::tuple{64, 48, 128}, std::tuple{37, 11, 37},
-                                           std::tuple{37, 11, 64}, std::tuple{1, 1, 1}));
+                         ::testing::Values(std::tuple{64, 48, 64}, std::tuple{64, 48, 128},
+                                           std::tuple{37, 11, 37}, std::tuple{37, 11, 64},
+                                           std::tuple{1, 1, 1}));
 
 TEST(FrameRing, TheNewestWinsAndTheRestIsCounted) {
   const SharedMemory memory = SharedMemory::create({16, 8, 1, 1});

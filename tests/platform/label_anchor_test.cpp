@@ -59,7 +59,8 @@ TEST(LabelAnchor, ParsesTextAndPlace) {
   const LabelRequest r = parseLabelRequest("me@home, a vessel@12.5,300");
   EXPECT_EQ(r.text, "me@home, a vessel");
   EXPECT_EQ(r.pixel, Eigen::Vector2d(12.5, 300));
-  for (const char* bad : {"", "text", "@1,2", "text@1", "text@1,", "text@,2", "text@a,b", "text@1,2x", "text@nan,1"})
+  for (const char* bad :
+       {"", "text", "@1,2", "text@1", "text@1,", "text@,2", "text@a,b", "text@1,2x", "text@nan,1"})
     EXPECT_INPUT_ERROR(parseLabelRequest(bad), HasSubstr("TEXT@X,Y"));
 }
 

@@ -6,7 +6,8 @@ namespace depthscope::platform {
 namespace {
 
 TEST(Log, WritesMessageAndFields) {
-  EXPECT_EQ(formatLogLine(LogPriority::Info, "child started", {{"pid", 12}, {"rate", 2.5}, {"ok", true}}, false),
+  EXPECT_EQ(formatLogLine(LogPriority::Info, "child started",
+                          {{"pid", 12}, {"rate", 2.5}, {"ok", true}}, false),
             "child started pid=12 rate=2.5 ok=true");
 }
 
@@ -15,7 +16,8 @@ TEST(Log, StartsWithThePriorityUnderTheJournal) {
 }
 
 TEST(Log, QuotesWhatHasSpacesAndKeepsOneLine) {
-  EXPECT_EQ(formatLogLine(LogPriority::Error, "a\nb", {{"why", "no \"such\" file\n"}, {"empty", ""}}, false),
+  EXPECT_EQ(formatLogLine(LogPriority::Error, "a\nb",
+                          {{"why", "no \"such\" file\n"}, {"empty", ""}}, false),
             "a?b why=\"no \\\"such\\\" file?\" empty=\"\"");
 }
 

@@ -28,7 +28,8 @@ TEST(PngWriter, KeepsEveryPixel) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       for (int c = 0; c < 3; ++c)
-        EXPECT_EQ(read[static_cast<std::size_t>((y * width + x) * 3 + c)], pixels[static_cast<std::size_t>(y * stride + x * 4 + c)]);
+        EXPECT_EQ(read[static_cast<std::size_t>((y * width + x) * 3 + c)],
+                  pixels[static_cast<std::size_t>(y * stride + x * 4 + c)]);
 }
 
 TEST(PngWriter, NamesAFileThatCannotBeWritten) {

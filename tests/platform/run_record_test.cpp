@@ -41,14 +41,17 @@ TEST(RunRecord, WritesCameraToWorldInTumFormat) {
   pose.T_world_camera.t = {0.5, -1.25, 2};
   writeTrajectory(folder.path() / "t.txt", {pose});
   EXPECT_EQ(readFile(folder.path() / "t.txt"),
-            "0.033333 0.500000000 -1.250000000 2.000000000 0.000000000 0.000000000 0.000000000 1.000000000\n");
+            "0.033333 0.500000000 -1.250000000 2.000000000 0.000000000 0.000000000 0.000000000 "
+            "1.000000000\n");
 }
 
 TEST(RunRecord, TheLiveTrajectoryIsOfOneMapAndInverted) {
   const TemporaryFolder folder;
-  writeLiveTrajectory(folder.path() / "t.txt",
-                      {estimate(0, TrackingState::Tracking, 1), estimate(30, TrackingState::Tracking, 2)}, 2);
-  EXPECT_EQ(readFile(folder.path() / "t.txt").substr(0, 50), "1.000000 -1.000000000 -2.000000000 -3.000000000 0.");
+  writeLiveTrajectory(
+      folder.path() / "t.txt",
+      {estimate(0, TrackingState::Tracking, 1), estimate(30, TrackingState::Tracking, 2)}, 2);
+  EXPECT_EQ(readFile(folder.path() / "t.txt").substr(0, 50),
+            "1.000000 -1.000000000 -2.000000000 -3.000000000 0.");
 }
 
 TEST(RunRecord, MetricsHaveEveryKeyOfTheContract) {
@@ -57,11 +60,13 @@ TEST(RunRecord, MetricsHaveEveryKeyOfTheContract) {
   metrics.track.add(5);
   writeMetrics(folder.path() / "m.json", metrics);
   const auto json = nlohmann::json::parse(readFile(folder.path() / "m.json"));
-  for (const char* key : {"frames", "tracked_frames", "first_tracked_frame", "lost_events", "relocalizations", "loops_closed",
-                          "maps", "keyframes", "map_points", "surface_triangles", "peak_rss_mb", "steady_state_allocations"})
+  for (const char* key : {"frames", "tracked_frames", "first_tracked_frame", "lost_events",
+                          "relocalizations", "loops_closed", "maps", "keyframes", "map_points",
+                          "surface_triangles", "peak_rss_mb", "steady_state_allocations"})
     EXPECT_TRUE(json.contains(key)) << key;
   for (const char* stage : {"extract_ms", "track_ms", "map_ms", "reconstruct_ms", "composite_ms"})
-    for (const char* key : {"count", "p50", "p95", "p99", "max"}) EXPECT_TRUE(json[stage].contains(key)) << stage << key;
+    for (const char* key : {"count", "p50", "p95", "p99", "max"})
+      EXPECT_TRUE(json[stage].contains(key)) << stage << key;
   EXPECT_EQ(json["track_ms"]["count"], 1);
   EXPECT_EQ(json["track_ms"]["max"], 5);
   EXPECT_GT(json["peak_rss_mb"], 1);

@@ -16,7 +16,9 @@ using ::testing::HasSubstr;
 
 constexpr SharedCapacity capacity{64, 48, 100, 200};
 
-UniqueFd copyOf(int fd) { return UniqueFd(::fcntl(fd, F_DUPFD_CLOEXEC, 0)); }
+UniqueFd copyOf(int fd) {
+  return UniqueFd(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
+}
 
 /// A sealed memfd with these bytes at its start.
 UniqueFd sealed(const std::vector<char>& bytes, std::size_t size) {
@@ -32,15 +34,20 @@ TEST(SharedMemory, AttachesToWhatWasMade) {
   const SharedMemory attached = SharedMemory::attach(copyOf(made.fd()));
   EXPECT_EQ(attached.capacity(), capacity);
   EXPECT_EQ(attached.bytes(), made.bytes());
-  made.block().pose.write(WirePose{.frame = 42});
-  WirePose pose;
+  WirePose pose{};
+  pose.frame = 42;
+  made.block().pose.write(pose);
+  pose = {};
   ASSERT_TRUE(attached.block().pose.read(pose));
   EXPECT_EQ(pose.frame, 42);
 }
 
 TEST(SharedMemory, RegionsLieInsideAndApart) {
   const SharedMemory m = SharedMemory::create(capacity);
-  const auto at = [&](const seqlock::Word* w) { return static_cast<std::size_t>(reinterpret_cast<const char*>(w) - reinterpret_cast<const char*>(&m.block())); };
+  const auto at = [&](const seqlock::Word* w) {
+    return static_cast<std::size_t>(reinterpret_cast<const char*>(w) -
+                                    reinterpret_cast<const char*>(&m.block()));
+  };
   std::vector<std::pair<std::size_t, std::size_t>> regions{{0, sizeof(SharedBlock)}};
   for (std::uint32_t i = 0; i < ring_slots; ++i) regions.emplace_back(at(m.pixels(i)), 64 * 48);
   for (std::uint32_t i = 0; i < 2; ++i) {
@@ -50,7 +57,8 @@ TEST(SharedMemory, RegionsLieInsideAndApart) {
     regions.emplace_back(at(a.confidence), 400);
     regions.emplace_back(at(a.triangles), 2400);
   }
-  for (std::size_t i = 0; i + 1 < regions.size(); ++i) EXPECT_LE(regions[i].first + regions[i].second, regions[i + 1].first) << i;
+  for (std::size_t i = 0; i + 1 < regions.size(); ++i)
+    EXPECT_LE(regions[i].first + regions[i].second, regions[i + 1].first) << i;
   EXPECT_LE(regions.back().first + regions.back().second, m.bytes());
 }
 
@@ -75,7 +83,8 @@ TEST(SharedMemory, RefusesAHeaderThatDoesNotFitTheSize) {
   EXPECT_NO_THROW(SharedMemory::attach(sealed(header, m.bytes())));
   EXPECT_INPUT_ERROR(SharedMemory::attach(sealed(header, m.bytes() + 64)), HasSubstr("layout"));
   EXPECT_INPUT_ERROR(SharedMemory::attach(sealed(header, m.bytes() - 64)), HasSubstr("layout"));
-  for (std::size_t offset : {offsetof(SharedBlock, magic), offsetof(SharedBlock, layout_version), offsetof(SharedBlock, capacity)}) {
+  for (std::size_t offset : {offsetof(SharedBlock, magic), offsetof(SharedBlock, layout_version),
+                             offsetof(SharedBlock, capacity)}) {
     std::vector<char> changed = header;
     changed[offset] = static_cast<char>(changed[offset] ^ 1);
     EXPECT_INPUT_ERROR(SharedMemory::attach(sealed(changed, m.bytes())), HasSubstr("layout"));

@@ -120,7 +120,8 @@ TEST(SurfaceMailbox, ReadersSurviveGarbage) {
     for (std::uint32_t s = 0; s < 2; ++s) {
       block.surfaces[s].count.store(random());
       const auto small = [&] { return static_cast<std::uint32_t>(random() % 70); };
-      const WireSurfaceInfo info{1, 1, i % 3 == 0 ? static_cast<std::uint32_t>(random()) : small(), small()};
+      const WireSurfaceInfo info{1, 1, i % 3 == 0 ? static_cast<std::uint32_t>(random()) : small(),
+                                 small()};
       seqlock::store(block.surfaces[s].info, &info, sizeof info);
       const SurfaceArrays a = memory.surface(s);
       for (seqlock::Word* array : {a.vertices, a.normals, a.confidence, a.triangles})

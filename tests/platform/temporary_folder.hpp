@@ -10,7 +10,8 @@
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "depthscope-test-XXXXXX").string();
+    std::string pattern =
+        (std::filesystem::temp_directory_path() / "depthscope-test-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
     path_ = pattern;
   }

@@ -12,8 +12,9 @@ TEST(Utf8, TakesPrintableTexts) {
 }
 
 TEST(Utf8, RefusesControlsAndWhatIsNotWellFormed) {
-  for (const char* text : {"\n", "\x7F", "\x1B[0m", "\x80", "\xC3", "\xC3(", "\xC0\xAF", "\xC1\xBF", "\xC2\x85", "\xE0\x80\xAF",
-                           "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xF8\x88\x80\x80\x80", "\xFF", "\xE2\x86"})
+  for (const char* text : {"\n", "\x7F", "\x1B[0m", "\x80", "\xC3", "\xC3(", "\xC0\xAF", "\xC1\xBF",
+                           "\xC2\x85", "\xE0\x80\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80",
+                           "\xF8\x88\x80\x80\x80", "\xFF", "\xE2\x86"})
     EXPECT_FALSE(isPrintableUtf8(text)) << text;
 }
 

@@ -15,7 +15,8 @@ namespace {
 using ::testing::HasSubstr;
 
 std::vector<std::uint8_t> greyPicture(int width, int height, int level) {
-  std::vector<std::uint8_t> p(static_cast<std::size_t>(width * height * 4), static_cast<std::uint8_t>(level));
+  std::vector<std::uint8_t> p(static_cast<std::size_t>(width * height * 4),
+                              static_cast<std::uint8_t>(level));
   return p;
 }
 
@@ -49,7 +50,8 @@ TEST(VideoWriter, EveryPictureComesBackInOrderAndAtTheRate) {
   const auto means = readBack(folder.path() / "a.mp4", fps);
   ASSERT_EQ(means.size(), 40u);
   EXPECT_NEAR(fps, 29.97, 0.01);
-  for (int i = 0; i < 40; ++i) EXPECT_NEAR(means[static_cast<std::size_t>(i)], 16 + 5 * i * 219 / 255.0, 3) << i;
+  for (int i = 0; i < 40; ++i)
+    EXPECT_NEAR(means[static_cast<std::size_t>(i)], 16 + 5 * i * 219 / 255.0, 3) << i;
 }
 
 TEST(VideoWriter, LeavesOutAnOddLastRowAndColumn) {
@@ -66,7 +68,8 @@ TEST(VideoWriter, LeavesOutAnOddLastRowAndColumn) {
 
 TEST(VideoWriter, NamesAFileThatCannotBeMade) {
   const TemporaryFolder folder;
-  EXPECT_INPUT_ERROR(VideoWriter(folder.path() / "none" / "a.mp4", 64, 48, 25), HasSubstr("a.mp4"), HasSubstr("cannot be written"));
+  EXPECT_INPUT_ERROR(VideoWriter(folder.path() / "none" / "a.mp4", 64, 48, 25), HasSubstr("a.mp4"),
+                     HasSubstr("cannot be written"));
 }
 
 TEST(VideoQueue, WritesAllThatWasSubmitted) {
@@ -99,7 +102,8 @@ TEST(VideoQueue, PassesOnThatTheDiskIsFull) {
         VideoQueue queue("/dev/full", 256, 256, 25);
         for (int i = 0; i < 200; ++i) {
           const auto buffer = queue.acquire(VideoQueue::WhenFull::Wait);
-          for (std::size_t k = 0; k < buffer.size(); ++k) buffer[k] = static_cast<std::uint8_t>(k * k * 31 + static_cast<std::size_t>(i) * 7919);
+          for (std::size_t k = 0; k < buffer.size(); ++k)
+            buffer[k] = static_cast<std::uint8_t>(k * k * 31 + static_cast<std::size_t>(i) * 7919);
           queue.submit(i);
         }
         queue.finish();

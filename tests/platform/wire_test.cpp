@@ -55,7 +55,9 @@ TEST(Wire, RefusesPosesThatNoTrackerGives) {
   EXPECT_TRUE(refused([](WirePose& w) { w.t[1] = INFINITY; }));
   EXPECT_TRUE(refused([](WirePose& w) { w.R[4] = NAN; }));
   EXPECT_TRUE(refused([](WirePose& w) { w.R[0] *= 1.01; }));
-  EXPECT_TRUE(refused([](WirePose& w) { for (double& r : w.R) r = -r; }));  // a mirror
+  EXPECT_TRUE(refused([](WirePose& w) {
+    for (double& r : w.R) r = -r;
+  }));  // a mirror
   EXPECT_FALSE(refused([](WirePose&) {}));
 }
 
@@ -68,7 +70,8 @@ TEST(Wire, APoseThatIsNotTrackedNeedsNoRotation) {
 }
 
 TEST(Wire, LabelsComeBackAsTheyWere) {
-  const std::vector<Label> labels{{1, 2, {1, 2, 3}, "vessel"}, {9, 2, {-1, 0, 4}, "Gef\xC3\xA4\xC3\x9F"}};
+  const std::vector<Label> labels{{1, 2, {1, 2, 3}, "vessel"},
+                                  {9, 2, {-1, 0, 4}, "Gef\xC3\xA4\xC3\x9F"}};
   std::vector<Label> back;
   ASSERT_TRUE(decodeLabels(encodeLabels(labels), back));
   ASSERT_EQ(back.size(), 2u);

@@ -1,0 +1,32 @@
+#include "platform/log.hpp"
+#include "platform/replay/replay_clip.hpp"
+#include "platform/stopwatch.hpp"
+
+namespace depthscope::platform {
+
+bool reconstruct(recon::Reconstructor& reconstructor, const SparseCloud& cloud, SurfaceMesh& mesh,
+                 RunMetrics& metrics) {
+  const Stopwatch watch;
+  const recon::ReconStatus status = reconstructor.reconstruct(cloud, mesh);
+  if (status == recon::ReconStatus::OutOfMemory || status == recon::ReconStatus::Failed)
+    log(LogPriority::Warning, "reconstruction failed",
+        {{"why", recon::toString(status)}, {"points", cloud.points.size()}});
+  if (status != recon::ReconStatus::Ok) return false;
+  metrics.reconstruct.add(watch.elapsedMs());
+  ++metrics.surfaces;
+  return true;
+}
+
+void takeFinalMap(const ReplayOptions& options, const slam::SlamSystem& slam,
+                  recon::Reconstructor& reconstructor, ReplayResult& result) {
+  RunMetrics& metrics = result.record.metrics();
+  slam.copyMainCloud(result.cloud);
+  if (options.surface) reconstruct(reconstructor, result.cloud, result.surface, metrics);
+  // A surface of another map is not in the trajectory's frame.
+  if (result.surface.map_id != result.cloud.map_id) result.surface.clear();
+  metrics.surface_triangles = result.surface.triangles.size();
+  metrics.slam = slam.statistics();
+  result.trajectory = slam.correctedTrajectory();
+}
+
+}  // namespace depthscope::platform

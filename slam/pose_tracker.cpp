@@ -84,13 +84,13 @@ int PoseTracker::trackKeyframe(KeyframeId keyframe, TrackedFrame& frame) {
   return optimize(frame);
 }
 
-int PoseTracker::trackLocalMap(TrackedFrame& frame) {
+int PoseTracker::trackLocalMap(TrackedFrame& frame, double search_scale) {
   {
     const std::lock_guard lock(map_.mutex);
     local_map_.collect(map_, frame.points);
     lookUpPositions(frame);
   }
-  projectLocalMap(frame.T_camera_world);
+  projectLocalMap(frame.T_camera_world, search_scale);
   for (int f = 0; f < frame.features.size(); ++f)
     matches_[f] = frame.points[f].id == kNone ? kNone : kTaken;
   matcher_.matchProjected(frame.features, projected_, settings_.matching.hamming_loose,
@@ -106,7 +106,7 @@ int PoseTracker::trackLocalMap(TrackedFrame& frame) {
   return inliers;
 }
 
-void PoseTracker::projectLocalMap(const Pose& T) {
+void PoseTracker::projectLocalMap(const Pose& T, double search_scale) {
   constexpr double kNearlyFrontalCos = 0.998;  // a narrower window is enough then
   constexpr double kMaxViewAngleCos = 0.5;     // 60 degrees from the mean viewing direction
   projected_.clear();
@@ -127,8 +127,8 @@ void PoseTracker::projectLocalMap(const Pose& T) {
     visible_.push_back(lp.ref);
     const Eigen::Vector2f undistorted = intrinsics_.project(p).cast<float>();
     const int level = map_.predictLevel(lp.max_distance, distance);
-    const double radius =
-        settings_.matching.map_radius_px * (cos_view > kNearlyFrontalCos ? 0.625 : 1.0);
+    const double radius = settings_.matching.map_radius_px * search_scale *
+                          (cos_view > kNearlyFrontalCos ? 0.625 : 1.0);
     projected_.push_back({lp.descriptor, undistorted.x(), undistorted.y(),
                           static_cast<float>(radius) * map_.scaleOf(level), level - 1, level,
                           static_cast<std::int32_t>(i)});

@@ -35,7 +35,8 @@ class PoseTracker {
   /// Looks for the points of a keyframe by descriptor alone; starts from the pose in `frame`.
   int trackKeyframe(KeyframeId keyframe, TrackedFrame& frame);
   /// Looks for all points of the map around, given a frame that has some points and a pose already.
-  int trackLocalMap(TrackedFrame& frame);
+  /// `search_scale` widens the windows, for a pose that is only roughly known.
+  int trackLocalMap(TrackedFrame& frame, double search_scale = 1);
 
   /// The keyframe that shares most points with the frame trackLocalMap() was called for; kNone when
   /// none does.
@@ -46,7 +47,7 @@ class PoseTracker {
  private:
   int matchLastFrame(const TrackedFrame& last, double radius_px, TrackedFrame& frame);
   void projectLastFrame(const TrackedFrame& last, double radius_px, const Pose& T_camera_world);
-  void projectLocalMap(const Pose& T_camera_world);
+  void projectLocalMap(const Pose& T_camera_world, double search_scale);
   void lookUpPositions(const TrackedFrame& frame);
   int optimize(TrackedFrame& frame);
   void countSightings(const TrackedFrame& frame);

@@ -14,6 +14,8 @@ class Relocalizer {
  public:
   Relocalizer(const SlamSettings& settings, const CameraModel& camera);
 
+  /// Starts with the newest keyframe at the next call.
+  void restart() { next_ = 0; }
   /// Tries a bounded number of keyframes, going on where the last call stopped. True with a pose,
   /// and in `points` (one per feature) the map points it rests on. The caller verifies it against
   /// the local map. Map mutex held.
@@ -24,7 +26,6 @@ class Relocalizer {
   bool tryKeyframe(const Map& map, const Keyframe& keyframe, const FeatureSet& features,
                    Pose& T_camera_world, std::span<PointRef> points);
 
-  MatchingSettings settings_;
   Intrinsics camera_;
   Matcher matcher_;
   PnpSolver pnp_;
@@ -33,7 +34,8 @@ class Relocalizer {
   std::vector<PoseObservation> observations_;
   std::vector<int> feature_of_observation_;
   std::vector<PointRef> point_of_observation_;
-  KeyframeId next_ = 0;
+  std::vector<KeyframeId> order_;  // in which keyframes are tried
+  std::size_t next_ = 0;           // in order_
 };
 
 }  // namespace depthscope::slam

@@ -9,6 +9,10 @@
 
 namespace depthscope::slam {
 
+namespace {
+constexpr int kMinFeaturesOfAPicture = 100;  // fewer: dark, fogged or covered
+}
+
 Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& map, Mapper& mapper,
                  Trajectory& trajectory)
     : settings_(settings.tracker),
@@ -41,7 +45,7 @@ PoseEstimate Tracker::track(const GrayView& image, std::int64_t frame, double ti
         ++relocalizations_;
         state_ = TrackingState::Tracking;
         finishTracked();
-      } else if (timestamp_s - lost_since_s_ >= settings_.new_map_after_s && initialize()) {
+      } else if (wantsNewMap() && initialize()) {
         state_ = TrackingState::Tracking;
       }
       break;
@@ -102,16 +106,26 @@ bool Tracker::trackFromLastFrame() {
 }
 
 bool Tracker::relocalize() {
+  constexpr double kWideSearch = 4;
   {
     const std::lock_guard lock(map_.mutex);
     if (!relocalizer_.relocalize(map_, current_.features, current_.T_camera_world, current_.points))
       return false;
   }
+  // First in wide windows, as the pose rests on few points; then as strictly as ever.
+  if (pose_tracker_.trackLocalMap(current_, kWideSearch) < settings_.min_inliers) return false;
   inliers_ = pose_tracker_.trackLocalMap(current_);
   if (inliers_ < settings_.min_inliers_relocalized) return false;
   const std::lock_guard lock(map_.mutex);
   map_.activate(map_.keyframe(pose_tracker_.reference()).map_id);
   return true;
+}
+
+bool Tracker::wantsNewMap() {
+  // A scope that is withdrawn, wiped or covered sees nothing to start a map from: its time begins
+  // when there is a picture again.
+  if (current_.features.size() < kMinFeaturesOfAPicture) lost_since_s_ = current_.timestamp_s;
+  return current_.timestamp_s - lost_since_s_ >= settings_.new_map_after_s;
 }
 
 void Tracker::handleLoss() {
@@ -120,6 +134,7 @@ void Tracker::handleLoss() {
   has_motion_ = false;
   lost_since_s_ = current_.timestamp_s;
   initializer_.reset();
+  relocalizer_.restart();
   mapper_.drain();
   const std::lock_guard lock(map_.mutex);
   if (map_.keyframesOf(map_.activeId()) <= kYoungMapKeyframes) {

@@ -30,6 +30,7 @@ class Tracker {
   bool initialize();
   bool trackFromLastFrame();
   bool relocalize();
+  bool wantsNewMap();
   void handleLoss();
   void finishTracked();
   void recordTrajectory();

@@ -3,13 +3,14 @@
 namespace depthscope::slam {
 
 // Trained after Rublee et al. 2011, section 4.3, with matched patches instead of mere variance:
-// 21782 pairs of patches that show the same tissue (ground truth: within 1 px of the octave) 2, 6 and 15
-// frames apart in two rendered liver clips of the project, one of them the sample clip; 8000 candidate
-// tests with Gaussian coordinates (sigma 3.5 to 7.5 px, in the disc); ordered by the share of bits that
-// differ between patches at random, 2 m (1 - m) with m the mean of the bit, less twice the share that flips
-// within pairs; taken greedily unless correlated with one taken before by more than 0.38, the lowest bound
-// that leaves 256. Against the random Gaussian pattern of Calonder et al. 2010 the average precision of
-// nearest neighbours 10 frames apart went from 0.304 to 0.328, on a clip not trained on from 0.248 to 0.266.
+// 21782 pairs of patches that show the same tissue (ground truth: within 1 px of the octave) 2, 6
+// and 15 frames apart in two rendered liver clips of the project, one of them the sample clip; 8000
+// candidate tests with Gaussian coordinates (sigma 3.5 to 7.5 px, in the disc); ordered by the
+// share of bits that differ between patches at random, 2 m (1 - m) with m the mean of the bit, less
+// twice the share that flips within pairs; taken greedily unless correlated with one taken before
+// by more than 0.38, the lowest bound that leaves 256. Against the random Gaussian pattern of
+// Calonder et al. 2010 the average precision of nearest neighbours 10 frames apart went from 0.304
+// to 0.328, on a clip not trained on from 0.248 to 0.266.
 // clang-format off
 const std::array<BriefTest, 256> kBriefPattern{{
     {0, -3, 0, -1}, {0, -2, 2, 4}, {-1, 3, 0, -4}, {-1, 2, 4, 2}, {-12, 0, -2, -1},

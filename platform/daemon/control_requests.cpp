@@ -165,6 +165,7 @@ std::string ControlRequests::status() const {
       {"frames_given_up", report_.given_up.load()},
       {"frames_tracked", report_.tracked.load()},
       {"fault_pictures", report_.faults.load()},
+      {"overlay_failures", report_.overlay_failures.load()},
       {"composite_p50_ms", report_.composite_p50_ms.load()},
       {"composite_p99_ms", report_.composite_p99_ms.load()},
       {"peak_rss_mb", static_cast<double>(usage.ru_maxrss) / 1024.0},

@@ -80,7 +80,9 @@ void VideoLoop::showPicture(const capture::Frame& frame) {
   const std::span picture = std::span(picture_).first(out.size());
   capture::toRgba(frame, picture);
   const overlay::OverlayState state = ar_.state(frame.capture_time);
-  compositor_.composite({picture.data(), width_, height_, width_ * 4}, state, out);
+  // On false the driver failed: the picture goes out without its overlay.
+  if (!compositor_.composite({picture.data(), width_, height_, width_ * 4}, state, out))
+    report_.overlay_failures.fetch_add(1, std::memory_order_relaxed);
   composite_ms_.add(watch.elapsedMs());
   present(out, width_, height_);
   report_.overlay_status.store(static_cast<std::uint8_t>(state.status), std::memory_order_relaxed);

@@ -27,15 +27,16 @@ void printSummary(const ReplayOptions& options, const RunMetrics& m) {
   const double share =
       m.frames > 0 ? 100.0 * static_cast<double>(m.tracked_frames) / static_cast<double>(m.frames)
                    : 0;
-  std::printf(
-      "%lld frames, %lld tracked (%.1f %%) from frame %lld on, %d lost, %d keyframes, %d points, "
-      "%zu triangles\n",
-      static_cast<long long>(m.frames), static_cast<long long>(m.tracked_frames), share,
-      static_cast<long long>(m.first_tracked_frame), m.slam.lost_events, m.slam.keyframes,
-      m.slam.map_points, m.surface_triangles);
-  std::printf("track %.1f ms, reconstruct %.0f ms, composite %.1f ms (medians); results in %s\n",
-              m.track.percentile(0.5), m.reconstruct.percentile(0.5), m.composite.percentile(0.5),
-              options.out.c_str());
+  std::printf("%lld frames, %lld tracked (%.1f %%)", static_cast<long long>(m.frames),
+              static_cast<long long>(m.tracked_frames), share);
+  if (m.tracked_frames > 0)
+    std::printf(" from frame %lld on", static_cast<long long>(m.first_tracked_frame));
+  std::printf(", lost %d times, %d keyframes, %d points, %zu triangles\n", m.slam.lost_events,
+              m.slam.keyframes, m.slam.map_points, m.surface_triangles);
+  std::printf("medians: track %.1f ms, map %.1f ms, reconstruct %.0f ms, composite %.1f ms\n",
+              m.track.percentile(0.5), m.map.percentile(0.5), m.reconstruct.percentile(0.5),
+              m.composite.percentile(0.5));
+  std::printf("results in %s\n", options.out.c_str());
 }
 
 }  // namespace

@@ -51,7 +51,8 @@ int statusCommand(Arguments arguments) {
   arguments.finish();
   const std::string answer = controlRequest(socket, "status");
   if (json) return printAnswer(answer);
-  for (const auto& [key, value] : nlohmann::ordered_json::parse(answer).items())
+  const auto status = nlohmann::ordered_json::parse(answer);
+  for (const auto& [key, value] : status.items())
     std::printf("%-22s %s\n", key.c_str(),
                 value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
   return 0;

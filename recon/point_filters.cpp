@@ -87,6 +87,31 @@ float median(std::vector<float> values) {
   return *middle;
 }
 
+SupportCloud::Ptr freeSpaceFilter(const SupportCloud::ConstPtr& cloud, float spacing,
+                                  const ReconSettings& settings) {
+  const std::size_t n = cloud->size();
+  const auto stride = n / static_cast<std::size_t>(settings.free_space_max_rays) + 1;
+  const float margin = static_cast<float>(settings.free_space_margin) * spacing;
+  const float radius = static_cast<float>(settings.free_space_radius) * spacing;
+  const float squared_radius = radius * radius * static_cast<float>(stride);
+  std::vector<int> rays(n, 0);
+  for (std::size_t r = 0; r < n; r += stride) {
+    const Eigen::Vector3f from = (*cloud)[r].getVector3fMap();
+    const Eigen::Vector3f to_camera = (*cloud)[r].getNormalVector3fMap();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Eigen::Vector3f d = (*cloud)[i].getVector3fMap() - from;
+      const float along = d.dot(to_camera);
+      rays[i] += along > margin && d.squaredNorm() - along * along < squared_radius;
+    }
+  }
+  auto out = std::make_shared<SupportCloud>();
+  out->reserve(n);
+  for (std::size_t i = 0; i < n; ++i)
+    if (settings.free_space_rays == 0 || rays[i] < settings.free_space_rays)
+      out->push_back((*cloud)[i]);
+  return out;
+}
+
 SupportCloud::Ptr radiusFilter(const SupportCloud::ConstPtr& cloud, float spacing,
                                const ReconSettings& settings) {
   auto out = std::make_shared<SupportCloud>();

@@ -18,6 +18,11 @@ std::vector<float> neighbourDistances(const SupportCloud::ConstPtr& cloud, int n
 /// Median of `values`; 0 for none.
 float median(std::vector<float> values);
 
+/// Drops points that stand between `free_space_rays` others and their cameras: those could not have
+/// been seen through it. Bounded by points x `free_space_max_rays`.
+SupportCloud::Ptr freeSpaceFilter(const SupportCloud::ConstPtr& cloud, float spacing,
+                                  const ReconSettings& settings);
+
 /// Keeps points with at least `outlier_min_neighbours` others within `outlier_radius` (paper,
 /// section 3.1).
 SupportCloud::Ptr radiusFilter(const SupportCloud::ConstPtr& cloud, float spacing,

@@ -33,6 +33,10 @@ void check(const ReconSettings& s) {
   requireRange("max_view_tilt_deg", s.max_view_tilt_deg, 1, 90);
   requireRange("max_distance", s.max_distance, 2, 1e6);
   requireRange("spacing_neighbours", s.spacing_neighbours, 1, 100);
+  requireRange("free_space_rays", s.free_space_rays, 0, 1000);
+  requireRange("free_space_margin", s.free_space_margin, 0, 1000);
+  requireRange("free_space_radius", s.free_space_radius, 0, 100);
+  requireRange("free_space_max_rays", s.free_space_max_rays, 1, 1e6);
   requireRange("outlier_radius", s.outlier_radius, 0.1, 100);
   requireRange("outlier_min_neighbours", s.outlier_min_neighbours, 0, 1000);
   requireRange("voxel_size", s.voxel_size, 0.05, 10);
@@ -101,7 +105,8 @@ ReconStatus Reconstructor::run(const SparseCloud& cloud, SurfaceMesh& mesh,
   if (stop.stop_requested()) return ReconStatus::Cancelled;
 
   // Outlier filters (section 3.1).
-  const SupportCloud::ConstPtr dense = radiusFilter(usable, spacing, settings_);
+  const SupportCloud::ConstPtr opaque = freeSpaceFilter(usable, spacing, settings_);
+  const SupportCloud::ConstPtr dense = radiusFilter(opaque, spacing, settings_);
   const SupportCloud::ConstPtr even = voxelGrid(dense, spacing, settings_);
   if (even->size() < min_points) return ReconStatus::TooFewPoints;
   if (stop.stop_requested()) return ReconStatus::Cancelled;

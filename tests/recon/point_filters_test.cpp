@@ -74,6 +74,40 @@ TEST(Median, IsRobustToOneWildValue) {
   EXPECT_FLOAT_EQ(median({}), 0.f);
 }
 
+TEST(FreeSpaceFilter, DropsWhatFloatsInFrontOfTheTissue) {
+  SparseCloud cloud = heightCloud(flat, 30, 0);
+  const float spacing = 0.1f;
+  for (int i = 0; i < 20; ++i) {  // a cluster, so that the radius filter would not notice
+    SparsePoint p = cloud.points[static_cast<std::size_t>(400 + i)];
+    p.position.z() = 1;
+    cloud.points.push_back(p);
+  }
+  const auto kept = freeSpaceFilter(usablePoints(cloud, {}), spacing, {});
+  int tissue = 0, floating = 0;
+  for (const auto& p : *kept) ++(p.z == 0 ? tissue : floating);
+  EXPECT_EQ(tissue, 900);
+  EXPECT_LE(floating, 4);  // at the ends of the cluster fewer rays pass
+}
+
+TEST(FreeSpaceFilter, KeepsANearTissueBesideAFarOne) {
+  SparseCloud cloud = heightCloud([](float x, float) { return x < 0 ? 1.f : 0.f; }, 30, 0);
+  // What lies behind the step as seen by the camera was never observed.
+  std::erase_if(cloud.points,
+                [](const SparsePoint& p) { return p.position.z() == 0 && p.position.x() < 0.1f; });
+  const auto usable = usablePoints(cloud, {});
+  EXPECT_EQ(freeSpaceFilter(usable, 0.1f, {})->size(), usable->size());
+}
+
+TEST(FreeSpaceFilter, WorksWithFewerRaysThanPoints) {
+  SparseCloud cloud = heightCloud(flat, 30, 0);
+  SparsePoint floating = cloud.points[435];
+  floating.position.z() = 1;
+  cloud.points.push_back(floating);
+  ReconSettings settings;
+  settings.free_space_max_rays = 200;
+  EXPECT_EQ(freeSpaceFilter(usablePoints(cloud, settings), 0.1f, settings)->size(), 900u);
+}
+
 TEST(RadiusFilter, DropsAPointAloneAndKeepsTheOthers) {
   auto cloud = lattice(6);
   pcl::PointNormal lone;

@@ -148,6 +148,14 @@ TEST_F(DaemonRun, AnArProcessThatCannotStartIsTriedAgainEverLater) {
 TEST_F(DaemonRun, AnswersOnTheControlSocket) {
   start({"--set", "capture.loop=true"});
   waitFor([](const auto& s) { return s["ar_alive"] && s["frames_shown"] > 1; });
+  const ProgramResult status = runProgram({"depthscope", "status", "--socket", socket_});
+  EXPECT_EQ(status.status, 0) << status.err;
+  EXPECT_THAT(status.out, HasSubstr("frames_shown"));
+  const ProgramResult none =
+      runProgram({"depthscope", "export", folder_.path() / "a.ply", "--socket", socket_});
+  EXPECT_EQ(none.status, 1);
+  EXPECT_THAT(none.err, HasSubstr("no surface yet"));
+  EXPECT_FALSE(fs::exists(folder_.path() / "a.ply"));
   EXPECT_EQ(ask("overlay mesh"), "");
   EXPECT_THROW(ask("overlay rainbow"), std::runtime_error);
   EXPECT_EQ(ask("reconstruct"), "");

@@ -5,17 +5,17 @@ namespace depthscope::slam {
 
 /// Feature extraction (slam/orb_extractor).
 struct ExtractorSettings {
-  int features = 1000;         // kept per frame, over all levels
-  int levels = 8;              // pyramid levels
-  double scale_factor = 1.2;   // between levels
+  int features = 1000;        // kept per frame, over all levels
+  int levels = 8;             // pyramid levels
+  double scale_factor = 1.2;  // between levels
   // FAST thresholds on pictures smoothed by a Gaussian of sigma 0.7, which takes half of a corner's
   // contrast. Where a whole picture has less than `features` corners both are halved.
-  int fast_threshold = 10;         // [grey levels], first try in each cell
-  int fast_threshold_min = 6;      // [grey levels], where the first finds nothing
+  int fast_threshold = 10;     // [grey levels], first try in each cell
+  int fast_threshold_min = 6;  // [grey levels], where the first finds nothing
   // Luma of towers is mostly 16..235 (BT.601 and 709), and comes as it is.
-  int specular_threshold = 230;    // [grey levels], at or above: saturated, not tissue
+  int specular_threshold = 230;     // [grey levels], at or above: saturated, not tissue
   double specular_contrast = 1.35;  // times the brightness of the tissue around: a highlight
-  int dark_threshold = 24;         // [grey levels], at or below: outside the round field of view
+  int dark_threshold = 24;          // [grey levels], at or below: outside the round field of view
 };
 
 /// Fixed capacities: what is allocated at start and never grows.
@@ -26,46 +26,43 @@ struct CapacitySettings {
   int local_points = 6000;          // points the tracker looks for in one frame
 };
 
-/// Descriptor matching (slam/matcher). Hamming distances are out of 256 bits.
+/// Descriptor matching (slam/matcher). Hamming distances are out of 256 bits, radii at level 0.
 struct MatchingSettings {
-  double search_region = 1.0;  // factor on all search radii; 1.5 (paper)
-  double motion_radius_px =
-      15;  // at level 0, around the predicted position, tracking from the last frame
-  double map_radius_px = 4;  // at level 0, around a projected map point
-  int hamming_strict = 50;   // new points, relocalization; 0.8 * 50 = 40 (paper)
-  int hamming_loose = 100;   // guided by a pose; 0.8 * 100 = 80 (paper)
-  double ratio = 0.9;        // best over second best, same level
+  double search_region = 1.0;    // factor on all search radii; 1.5 (paper)
+  double motion_radius_px = 15;  // around the position predicted from the last frame
+  double map_radius_px = 4;      // around a projected map point
+  int hamming_strict = 50;       // new points; 0.8 * 50 = 40 (paper)
+  int hamming_loose = 100;       // guided by a pose; 0.8 * 100 = 80 (paper)
+  double ratio = 0.9;            // best over second best, same level
 };
 
 /// Two-view initialization (slam/map_initializer).
 struct InitializerSettings {
-  int min_matches = 60; 
+  int min_matches = 60;           // between the two pictures
   double search_radius_px = 100;  // around the feature's position in the first picture
   double min_parallax_deg = 1.0;  // median over the new points; 5 * 1.0 (paper)
-  int min_points = 40;
+  int min_points = 40;            // that a map is started with
 };
 
 /// Tracking (slam/tracker).
 struct TrackerSettings {
-  int min_motion_inliers = 10;  // fewer from the motion model: try the reference keyframe
-  int min_inliers = 30;         // fewer in the local map: lost
-  int min_inliers_relocalized = 50;
-  double new_map_after_s = 1.0;  // lost for this long, a new map is begun if one can be
-  int local_keyframes = 40;  // that a frame's local map is made from
-  double keyframe_ratio =
-      0.9;  // new keyframe when fewer than this share of the reference's points is tracked
+  int min_motion_inliers = 10;       // fewer from the last frame: try the reference keyframe
+  int min_inliers = 30;              // fewer in the local map: lost
+  int min_inliers_relocalized = 50;  // fewer after relocalization: not found
+  double new_map_after_s = 1.0;      // lost for this long, a new map is begun if one can be
+  int local_keyframes = 40;          // that a frame's local map is made from
+  double keyframe_ratio = 0.9;       // of the reference keyframe's points tracked: below, a new one
 };
 
 /// Mapping (slam/mapper).
 struct MapperSettings {
-  int neighbours = 10;               // keyframes to triangulate with
-  double max_parallax_cos = 0.9998;  // rays closer than this (1.15 deg) make no point
-  double triangulation_chi2 =
-      5.991;                  // squared reprojection error over variance; a tenth of it (paper)
-  int window_keyframes = 15;  // free in local bundle adjustment
-  int window_fixed = 20;      // fixed around them
-  int iterations = 12;        // of local bundle adjustment
-  double redundancy = 0.9;    // share of points seen elsewhere that makes a keyframe redundant
+  int neighbours = 10;                // keyframes to triangulate with
+  double max_parallax_cos = 0.9998;   // rays closer than this (1.15 deg) make no point
+  double triangulation_chi2 = 5.991;  // squared error over variance of a new point; 0.5991 (paper)
+  int window_keyframes = 15;          // free in local bundle adjustment
+  int window_fixed = 20;              // fixed around them
+  int iterations = 12;                // of local bundle adjustment
+  double redundancy = 0.9;            // share of points seen elsewhere: above, a keyframe goes
 };
 
 /// Everything tunable in the tracker and mapper, defaults in place. Values marked (paper) are those
@@ -77,8 +74,7 @@ struct SlamSettings {
   InitializerSettings initializer;
   TrackerSettings tracker;
   MapperSettings mapper;
-  std::int64_t trajectory_frames =
-      0;  // frames whose poses are kept for correctedTrajectory(); 0: none
+  std::int64_t trajectory_frames = 0;  // last poses kept for correctedTrajectory(); 0: none
 };
 
 }  // namespace depthscope::slam

@@ -8,7 +8,7 @@ namespace {
 
 // Time constant: slow enough not to flicker, quick enough that a scope drawn back at some
 // centimetres a second does not leave the whole view beyond the far end of the colours.
-constexpr double kEasing_s = 0.25;
+constexpr double kEasing_s = 0.35;
 constexpr std::size_t kTail = 33;      // one in so many is ignored at either end
 constexpr std::size_t kMinInView = 4;  // fewer say nothing about the range
 constexpr float kMinSpan =

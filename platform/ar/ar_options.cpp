@@ -35,6 +35,7 @@ ArOptions parseArOptions(Arguments arguments) {
   arguments.finish();
   if (config) loadConfig(*config, options.settings);
   for (const std::string& assignment : overrides) applyOverride(assignment, options.settings);
+  checkConsistency(options.settings);
   options.camera = loadCameraFile(camera);
   return options;
 }

@@ -162,6 +162,28 @@ void applyOverride(std::string_view assignment, Settings& settings) {
                 "--set ");
 }
 
+void checkConsistency(const Settings& settings) {
+  Settings copy = settings;
+  const auto table = settingTable(copy);
+  const auto ordered = [&](const char* low, double low_value, const char* high, double high_value) {
+    if (low_value <= high_value) return;
+    throw InputError(std::string(low) + " = " + valueAsToml(*find(table, low)) +
+                     ": expected at most " + high + " = " + valueAsToml(*find(table, high)));
+  };
+  ordered("slam.extractor.fast_threshold_min", settings.slam.extractor.fast_threshold_min,
+          "slam.extractor.fast_threshold", settings.slam.extractor.fast_threshold);
+  ordered("slam.matching.hamming_strict", settings.slam.matching.hamming_strict,
+          "slam.matching.hamming_loose", settings.slam.matching.hamming_loose);
+  ordered("recon.min_points", settings.recon.min_points, "recon.max_points",
+          settings.recon.max_points);
+  ordered("recon.poisson_min_depth", settings.recon.poisson_min_depth, "recon.poisson_max_depth",
+          settings.recon.poisson_max_depth);
+  ordered("overlay.gone_confidence", settings.overlay.gone_confidence, "overlay.full_confidence",
+          settings.overlay.full_confidence);
+  ordered("daemon.restart_min_s", settings.daemon.restart_min_s, "daemon.restart_max_s",
+          settings.daemon.restart_max_s);
+}
+
 std::string documentedConfig() {
   Settings defaults;
   std::string out = "# Every key with its default. Remove the '#' before a key to change it.\n";

@@ -16,6 +16,10 @@ void loadConfig(const std::filesystem::path& path, Settings& settings);
 /// InputError.
 void applyOverride(std::string_view assignment, Settings& settings);
 
+/// Checks what no single key tells: that lower bounds lie below upper ones. After all files and
+/// overrides. Throws InputError naming both keys.
+void checkConsistency(const Settings& settings);
+
 /// A configuration file with every key at its default, each with its meaning and range.
 std::string documentedConfig();
 

@@ -129,27 +129,34 @@ void bindRecon(Binder& b, recon::ReconSettings& s) {
            "of a point, root mean square");
   b.number("max_view_tilt_deg", s.max_view_tilt_deg, 10, 90,
            "between surface normal and line of sight");
-  b.number("max_distance", s.max_distance, 1, 1000,
+  b.number("max_distance", s.max_distance, 2, 1000,
            "[median distance to the centre of the cloud] farther is a failed triangulation");
   b.number("spacing_neighbours", s.spacing_neighbours, 1, 50,
            "spacing: distance to this neighbour, median over the cloud");
+  b.number("free_space_rays", s.free_space_rays, 0, 1000,
+           "so many rays past a point condemn it; 0: off");
+  b.number("free_space_margin", s.free_space_margin, 0, 1000,
+           "[spacing] by which it must stand in front of them");
+  b.number("free_space_radius", s.free_space_radius, 0, 100, "[spacing] around a ray");
+  b.number("free_space_max_rays", s.free_space_max_rays, 1, 1000000,
+           "rays tried, evenly from the cloud");
   b.number("outlier_radius", s.outlier_radius, 0.1, 100, "[spacing] of the radius filter");
   b.number("outlier_min_neighbours", s.outlier_min_neighbours, 0, 1000, "within it");
-  b.number("voxel_size", s.voxel_size, 0.01, 100, "[spacing] of the voxel grid");
-  b.number("mls_radius", s.mls_radius, 0.1, 100,
+  b.number("voxel_size", s.voxel_size, 0.05, 10, "[spacing] of the voxel grid");
+  b.number("mls_radius", s.mls_radius, 0.5, 50,
            "[spacing] neighbourhood of the Moving Least Squares fit");
   b.number("mls_max_residual", s.mls_max_residual, 0.5, 100,
            "[robust standard deviations] farther: outlier");
-  b.number("poisson_cell", s.poisson_cell, 0.1, 100,
+  b.number("poisson_cell", s.poisson_cell, 0.1, 10,
            "[spacing] wanted size of the finest octree cell");
-  b.number("poisson_min_depth", s.poisson_min_depth, 2, 12, "of the octree");
-  b.number("poisson_max_depth", s.poisson_max_depth, 2, 12, "of the octree");
+  b.number("poisson_min_depth", s.poisson_min_depth, 3, 10, "of the octree");
+  b.number("poisson_max_depth", s.poisson_max_depth, 3, 10, "of the octree");
   b.number("poisson_point_weight", s.poisson_point_weight, 0, 100,
            "pull of the samples on the surface (screening)");
   b.number("poisson_samples_per_node", s.poisson_samples_per_node, 1, 20, "of the octree");
-  b.number("trim_distance", s.trim_distance, 0.1, 100,
+  b.number("trim_distance", s.trim_distance, 0.1, 20,
            "[local spacing] from a vertex to the nearest point");
-  b.number("trim_max_spacing", s.trim_max_spacing, 0.1, 100,
+  b.number("trim_max_spacing", s.trim_max_spacing, 1, 20,
            "[spacing] upper bound on the local spacing");
   b.number("min_island_area", s.min_island_area, 0, 1000000,
            "[spacing^2] smaller separate pieces are dropped");

@@ -38,6 +38,7 @@ DaemonOptions parseDaemonOptions(Arguments arguments) {
   arguments.finish();
   loadConfig(config, options.settings);
   for (const std::string& assignment : overrides) applyOverride(assignment, options.settings);
+  checkConsistency(options.settings);
   const CaptureSettings& capture = options.settings.capture;
   if (capture.input.empty())
     throw InputError(config +

@@ -15,6 +15,7 @@ namespace {
 int checkConfig(const std::string& file) {
   Settings settings;
   loadConfig(file, settings);
+  checkConsistency(settings);
   if (!settings.capture.camera.empty()) loadCameraFile(settings.capture.camera);
   std::printf("%s: ok\n", file.c_str());
   return 0;

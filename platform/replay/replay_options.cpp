@@ -55,6 +55,7 @@ ReplayOptions parseReplayOptions(Arguments arguments) {
   arguments.finish();
   if (config) loadConfig(*config, options.settings);
   for (const std::string& assignment : overrides) applyOverride(assignment, options.settings);
+  checkConsistency(options.settings);
   options.camera = loadCameraFile(options.camera_file);
   return options;
 }

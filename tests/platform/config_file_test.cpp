@@ -123,6 +123,13 @@ TEST_F(ConfigFile, EveryDefaultIsInsideItsOwnRange) {
     EXPECT_EQ(valueAsToml(loaded[i]), valueAsToml(expected[i])) << expected[i].key;
 }
 
+TEST_F(ConfigFile, ChecksBoundsAgainstEachOther) {
+  EXPECT_NO_THROW(checkConsistency(settings_));
+  settings_.daemon.restart_min_s = 60;
+  EXPECT_INPUT_ERROR(checkConsistency(settings_), HasSubstr("daemon.restart_min_s = 60.0"),
+                     HasSubstr("daemon.restart_max_s = 10.0"));
+}
+
 TEST_F(ConfigFile, NoKeyIsBoundTwice) {
   std::set<std::string> keys;
   for (const Setting& s : settingTable(settings_)) EXPECT_TRUE(keys.insert(s.key).second) << s.key;

@@ -16,7 +16,8 @@ struct SlamSystem::Impl {
         map(settings, camera),
         trajectory(settings.trajectory_frames),
         mapper(settings, camera, map, trajectory, mapping_mode),
-        tracker(camera, settings, map, mapper, trajectory) {}
+        tracker(camera, settings, map, mapper, trajectory),
+        place_in_cloud(static_cast<std::size_t>(map.keyframeCapacity())) {}
 
   MappingMode mode;
   /// Map mutex held.
@@ -27,6 +28,8 @@ struct SlamSystem::Impl {
   Mapper mapper;
   Tracker tracker;
   StageTimes times;
+  mutable std::vector<std::uint32_t>
+      place_in_cloud;  // of each keyframe; guarded by the map's mutex
 };
 
 SlamSystem::SlamSystem(const CameraModel& camera, const SlamSettings& settings, MappingMode mode)
@@ -45,6 +48,10 @@ PoseEstimate SlamSystem::track(const GrayView& image, std::int64_t frame, double
   const bool mapped_here = impl_->mode == MappingMode::Lockstep && impl_->times.map_ms > 0;
   impl_->times.track_ms = whole_ms - (mapped_here ? impl_->times.map_ms : 0);
   return estimate;
+}
+
+bool SlamSystem::madeKeyframe() const {
+  return impl_->tracker.madeKeyframe();
 }
 
 StageTimes SlamSystem::lastTimes() const {
@@ -77,9 +84,14 @@ void SlamSystem::Impl::copyCloud(std::uint32_t map_id, SparseCloud& out) const {
   out.map_id = map_id;
   out.points.clear();
   out.keyframes_T_camera_world.clear();
-  for (KeyframeId k = 0; k < map.keyframeCapacity(); ++k)
-    if (map.keyframe(k).alive && map.keyframe(k).map_id == map_id)
-      out.keyframes_T_camera_world.push_back(map.keyframe(k).T_camera_world);
+  out.keyframe_frames.clear();
+  out.sightings.clear();
+  for (KeyframeId k = 0; k < map.keyframeCapacity(); ++k) {
+    if (!map.keyframe(k).alive || map.keyframe(k).map_id != map_id) continue;
+    place_in_cloud[k] = static_cast<std::uint32_t>(out.keyframe_frames.size());
+    out.keyframes_T_camera_world.push_back(map.keyframe(k).T_camera_world);
+    out.keyframe_frames.push_back(map.keyframe(k).frame);
+  }
   for (PointId id = 0; id < map.pointEnd(); ++id) {
     const MapPoint& p = map.point(id);
     if (!p.alive || p.map_id != map_id) continue;
@@ -90,6 +102,8 @@ void SlamSystem::Impl::copyCloud(std::uint32_t map_id, SparseCloud& out) const {
       squared +=
           (map.intrinsics().project(k.T_camera_world * p.position) - Eigen::Vector2d(kp.ux, kp.uy))
               .squaredNorm();
+      out.sightings.push_back(
+          {static_cast<std::uint32_t>(out.points.size()), place_in_cloud[o.keyframe]});
     }
     const int n = p.observation_count;
     out.points.push_back({p.position.cast<float>(), -p.normal.cast<float>(), n,

@@ -51,9 +51,14 @@ class SlamSystem {
   /// Tracks one luma picture. `frame` grows from call to call (gaps allowed).
   PoseEstimate track(const GrayView& image, std::int64_t frame, double timestamp_s);
 
+  /// Whether the last call of track() made its frame a keyframe, or handed it to the mapper to
+  /// become one. From the thread that tracks.
+  bool madeKeyframe() const;
+
   StageTimes lastTimes() const;
   SlamStatistics statistics() const;
-  /// Copies points and keyframe poses of the active map into `out`, whose capacity is reused.
+  /// Copies points, keyframe poses and who saw what of the active map into `out`, whose capacity is
+  /// reused.
   void copyCloud(SparseCloud& out) const;
   /// The same of the main map: the connected map that most frames were tracked in.
   void copyMainCloud(SparseCloud& out) const;

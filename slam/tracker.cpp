@@ -64,6 +64,7 @@ void Tracker::beginFrame(const GrayView& image, std::int64_t frame, double times
   current_.tracked = false;
   std::fill(current_.points.begin(), current_.points.end(), PointRef{});
   inliers_ = 0;
+  made_keyframe_ = false;
 }
 
 bool Tracker::initialize() {
@@ -88,6 +89,7 @@ bool Tracker::initialize() {
   current_.T_camera_world = k.T_camera_world;
   current_.tracked = true;
   has_motion_ = false;
+  made_keyframe_ = true;
   recordTrajectory();
   return true;
 }
@@ -170,8 +172,9 @@ void Tracker::finishTracked() {
     if (reference_ != kNone) recordTrajectory();
   }
   if (reference_ != kNone && needsKeyframe())
-    mapper_.submit(current_.features, std::span(current_.points).first(current_.features.size()),
-                   current_.T_camera_world, current_.frame, current_.timestamp_s);
+    made_keyframe_ = mapper_.submit(current_.features,
+                                    std::span(current_.points).first(current_.features.size()),
+                                    current_.T_camera_world, current_.frame, current_.timestamp_s);
 }
 
 void Tracker::recordTrajectory() {

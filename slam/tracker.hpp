@@ -20,6 +20,8 @@ class Tracker {
   /// Forgets the map and starts to look for a new one.
   void reset();
 
+  /// Whether the last frame became a keyframe or was handed to the mapper to become one.
+  bool madeKeyframe() const { return made_keyframe_; }
   double lastExtractMs() const { return extract_ms_; }
   int lostEvents() const { return lost_events_; }
   int relocalizations() const { return relocalizations_; }
@@ -55,6 +57,7 @@ class Tracker {
   KeyframeId reference_ = kNone;  // the keyframe that shares most points with the current frame
   int inliers_ = 0;
   int lost_events_ = 0, relocalizations_ = 0, maps_started_ = 0;
+  bool made_keyframe_ = false;
   double extract_ms_ = 0;
 };
 

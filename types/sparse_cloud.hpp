@@ -15,11 +15,19 @@ struct SparsePoint {
   float reprojection_error_px = 0;   // root mean square over its observations
 };
 
+/// A keyframe saw a point; both are indices into the arrays of the cloud.
+struct Sighting {
+  std::uint32_t point;
+  std::uint32_t keyframe;
+};
+
 /// What the tracker hands to reconstruction: a copy, so that neither waits for the other.
 struct SparseCloud {
   std::uint32_t map_id = 0;
   std::vector<SparsePoint> points;
   std::vector<Pose> keyframes_T_camera_world;
+  std::vector<std::int64_t> keyframe_frames;  // number of the frame each keyframe was made of
+  std::vector<Sighting> sightings;            // point by point, in the order of `points`
 };
 
 }  // namespace depthscope

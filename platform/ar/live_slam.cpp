@@ -19,6 +19,7 @@ LiveSlam::LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam,
       }) {
   cloud_.points.reserve(static_cast<std::size_t>(slam.capacity.map_points));
   cloud_.keyframes_T_camera_world.reserve(static_cast<std::size_t>(slam.capacity.keyframes));
+  cloud_.keyframe_frames.reserve(static_cast<std::size_t>(slam.capacity.keyframes));
 }
 
 PoseEstimate LiveSlam::track(const GrayView& luma, std::int64_t frame, double timestamp_s) {

@@ -37,4 +37,9 @@ void blendRow(const std::uint8_t* layer, const std::uint8_t* picture, std::uint8
   for (; i < pixels; ++i, layer += 4, picture += 4, out += 4) blendPixel(layer, picture, out);
 }
 
+void blendLayerPixel(const std::uint8_t* above, std::uint8_t* layer) {
+  const unsigned transparency = 255u - above[3];
+  for (int c = 0; c < 4; ++c) layer[c] = over(above[c], layer[c], transparency);
+}
+
 }  // namespace depthscope::overlay

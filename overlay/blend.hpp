@@ -10,4 +10,7 @@ namespace depthscope::overlay {
 void blendRow(const std::uint8_t* layer, const std::uint8_t* picture, std::uint8_t* out,
               int pixels);
 
+/// Lays one premultiplied pixel over another, alpha included.
+void blendLayerPixel(const std::uint8_t* above, std::uint8_t* layer);
+
 }  // namespace depthscope::overlay

@@ -6,11 +6,10 @@
 
 #include "overlay/blend.hpp"
 #include "overlay/overlay_renderer.hpp"
+#include "overlay/status_painter.hpp"
 
 namespace depthscope::overlay {
 namespace {
-
-constexpr std::uint8_t kFaultPixel[4] = {13, 15, 18, 255};
 
 bool fits(int width, int height, std::span<const std::uint8_t> out) {
   return width > 0 && height > 0 &&
@@ -20,19 +19,52 @@ bool fits(int width, int height, std::span<const std::uint8_t> out) {
 }  // namespace
 
 struct Compositor::Impl {
-  Impl(const CameraModel& camera, const OverlaySettings& settings) : renderer(camera, settings) {}
+  Impl(const CameraModel& camera_, const OverlaySettings& settings_)
+      : camera(camera_),
+        settings(settings_),
+        renderer(camera_, settings_),
+        painter(settings_.font_file) {}
 
-  /// Reads `rect` of the layer into `pixels`.
-  bool read(const PixelRect& rect) {
+  /// Draws the layer into `pixels` (of the rectangle that is returned). `ok` tells whether the
+  /// driver did its part; the mark is there either way.
+  PixelRect draw(int width, int height, const OverlayState& state, bool& ok);
+
+  CameraModel camera;
+  OverlaySettings settings;
+  OverlayRenderer renderer;
+  StatusPainter painter;
+  std::vector<std::uint8_t> pixels;  // of the layer
+};
+
+PixelRect Compositor::Impl::draw(int width, int height, const OverlayState& state, bool& ok) {
+  Mark mark = markFor(state, settings, width == camera.width && height == camera.height);
+  // A surgeon who turned the cues off sees the bare picture while all is well.
+  const bool marked =
+      settings.cue != CueMode::Off || mark != Mark::Tracking || !state.message.empty();
+  const PixelRect mark_rect =
+      marked ? painter.markRect(width, height, mark, state.message) : PixelRect{};
+  const std::optional<PixelRect> drawn = renderer.draw(width, height, state, mark_rect);
+  const bool cues = drawn && !drawn->empty();
+  PixelRect rect = cues ? *drawn : mark_rect;
+  const auto reserve = [&] {
     const auto bytes =
         static_cast<std::size_t>(rect.width()) * static_cast<std::size_t>(rect.height()) * 4;
     if (pixels.size() < bytes) pixels.resize(bytes);
-    return renderer.read(rect, pixels.data());
+    return bytes;
+  };
+  std::size_t bytes = reserve();
+  ok = drawn && (!cues || renderer.read(rect, pixels.data()));
+  if (!ok) mark = Mark::NoAr;  // what is tracked is of no use when it cannot be drawn
+  if (!cues || !ok) {
+    rect = marked ? painter.markRect(width, height, mark, state.message) : PixelRect{};
+    bytes = reserve();
+    std::fill_n(pixels.begin(), bytes, std::uint8_t{0});
   }
-
-  OverlayRenderer renderer;
-  std::vector<std::uint8_t> pixels;  // of the layer
-};
+  if (marked)
+    painter.paintMarkOnLayer(mark, state.message, width, height, std::span(pixels).first(bytes),
+                             rect);
+  return rect;
+}
 
 Compositor::Compositor(const CameraModel& camera, const OverlaySettings& settings)
     : impl_(std::make_unique<Impl>(camera, settings)) {}
@@ -40,6 +72,7 @@ Compositor::Compositor(const CameraModel& camera, const OverlaySettings& setting
 Compositor::~Compositor() = default;
 
 void Compositor::setSettings(const OverlaySettings& settings) {
+  impl_->settings = settings;
   impl_->renderer.setSettings(settings);
 }
 void Compositor::setSurface(const SurfaceMesh& mesh) {
@@ -55,9 +88,8 @@ bool Compositor::composite(const RgbaView& picture, const OverlayState& state,
                            std::span<std::uint8_t> out) {
   const int w = picture.width, h = picture.height;
   if (picture.empty() || !fits(w, h, out)) return false;
-  const std::optional<PixelRect> drawn = impl_->renderer.draw(w, h, state);
-  const bool ok = drawn && (drawn->empty() || impl_->read(*drawn));
-  const PixelRect rect = ok ? *drawn : PixelRect{};
+  bool ok = false;
+  const PixelRect rect = impl_->draw(w, h, state, ok);
   for (int y = 0; y < h; ++y) {
     const std::uint8_t* from = picture.row(y);
     std::uint8_t* to = out.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(w) * 4;
@@ -76,32 +108,20 @@ bool Compositor::composite(const RgbaView& picture, const OverlayState& state,
   return ok;
 }
 
-bool Compositor::drawLayer(int width, int height, const OverlayState& state,
-                           std::span<std::uint8_t> out) {
-  if (!fits(width, height, out)) return false;
+std::optional<PixelRect> Compositor::drawLayer(int width, int height, const OverlayState& state,
+                                               std::span<std::uint8_t> out) {
+  if (!fits(width, height, out)) return std::nullopt;
   std::fill(out.begin(), out.end(), std::uint8_t{0});
-  const std::optional<PixelRect> drawn = impl_->renderer.draw(width, height, state);
-  if (!drawn || drawn->empty()) return drawn.has_value();
-  if (!impl_->read(*drawn)) return false;
-  const auto row_bytes = static_cast<std::size_t>(drawn->width()) * 4;
-  for (int y = drawn->y0; y < drawn->y1; ++y)
+  bool ok = false;
+  const PixelRect rect = impl_->draw(width, height, state, ok);
+  const auto row_bytes = static_cast<std::size_t>(rect.width()) * 4;
+  for (int y = rect.y0; y < rect.y1; ++y)
     std::memcpy(out.data() + (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                              static_cast<std::size_t>(drawn->x0)) *
+                              static_cast<std::size_t>(rect.x0)) *
                                  4,
-                impl_->pixels.data() + static_cast<std::size_t>(y - drawn->y0) * row_bytes,
+                impl_->pixels.data() + static_cast<std::size_t>(y - rect.y0) * row_bytes,
                 row_bytes);
-  return true;
-}
-
-bool Compositor::compositeFault(int width, int height, std::string_view message,
-                                std::span<std::uint8_t> out) {
-  if (!fits(width, height, out)) return false;
-  const auto bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4;
-  for (std::size_t i = 0; i < bytes; i += 4) std::memcpy(out.data() + i, kFaultPixel, 4);
-  const std::optional<PixelRect> drawn = impl_->renderer.drawFault(width, height, message);
-  if (!drawn || !impl_->read(*drawn)) return false;
-  blendRow(impl_->pixels.data(), out.data(), out.data(), width * height);
-  return true;
+  return ok ? std::optional(rect) : std::nullopt;
 }
 
 }  // namespace depthscope::overlay

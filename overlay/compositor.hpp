@@ -1,32 +1,17 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <span>
-#include <string_view>
 
 #include "overlay/overlay_settings.hpp"
+#include "overlay/overlay_state.hpp"
+#include "overlay/pixel_rect.hpp"
 #include "types/camera_model.hpp"
 #include "types/image_view.hpp"
 #include "types/label.hpp"
 #include "types/surface_mesh.hpp"
-#include "types/tracking.hpp"
 
 namespace depthscope::overlay {
-
-/// What the status mark says.
-enum class Status : std::uint8_t { NoAr, Initializing, Tracking, Lost, Stale, NoSignal };
-
-/// Everything that decides how one picture is drawn over, besides surface and labels.
-struct OverlayState {
-  Status status = Status::NoAr;
-  Pose T_camera_world;  // meaningful while status is Tracking
-  std::uint32_t map_id =
-      0;                 // map the pose belongs to; surface and labels of other maps are not drawn
-  float confidence = 0;  // 0..1
-  float age_ms = 0;  // picture's capture time minus the pose's frame's: fades towards max_age_ms
-  std::string_view message;  // shown beside the mark, e.g. "no signal"; may be empty
-  double time_s = -1;  // the picture's capture time, never falling: paces what eases from one state
-                       // to the next. Negative: unknown, everything changes at once
-};
 
 /// Draws picture and overlay with GLES 3 into an off-screen buffer (surfaceless EGL). Pixels that
 /// the overlay does not touch are exactly the picture's. All calls from the thread that created it.
@@ -50,17 +35,16 @@ class Compositor {
   /// Composites one picture; it may have another size than the camera's (then the overlay, whose
   /// geometry no longer holds, is left out). `out`: picture.height * picture.width * 4 bytes, R G B
   /// A, top row first; it may be the picture's own memory. False: the graphics driver failed and
-  /// `out` is the picture alone, or the sizes do not fit and `out` is untouched.
+  /// `out` is the picture with a mark that says so, or the sizes do not fit and `out` is untouched.
   bool composite(const RgbaView& picture, const OverlayState& state, std::span<std::uint8_t> out);
 
-  /// The overlay alone, for a hardware plane of its own or to know what it covers: premultiplied R
-  /// G B A, transparent (all zero) where composite() leaves the picture alone. Elsewhere
-  /// composite() gives layer + (1 - alpha) picture.
-  bool drawLayer(int width, int height, const OverlayState& state, std::span<std::uint8_t> out);
-
-  /// A full picture that says why there is none: dark, the message in its middle. False as in
-  /// composite(), `out` being dark then.
-  bool compositeFault(int width, int height, std::string_view message, std::span<std::uint8_t> out);
+  /// The overlay alone, for a hardware plane of its own, to lay over a picture later, or to know
+  /// what it covers: premultiplied R G B A. Returns the rectangle outside of which composite()
+  /// leaves the picture alone, where `out` is all zero; inside it composite() gives layer + (1 -
+  /// alpha) picture. Nothing where composite() says false: `out` holds at most the status mark
+  /// then.
+  std::optional<PixelRect> drawLayer(int width, int height, const OverlayState& state,
+                                     std::span<std::uint8_t> out);
 
  private:
   struct Impl;

@@ -4,18 +4,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "overlay/color.hpp"
 #include "overlay/gl_object.hpp"
 #include "overlay/layer.hpp"
 #include "overlay/shader_program.hpp"
 #include "overlay/text_atlas.hpp"
 
 namespace depthscope::overlay {
-
-/// sRGB and straight alpha, 0..1.
-struct Color {
-  float r = 1, g = 1, b = 1, a = 1;
-  Color withAlpha(float alpha) const { return {r, g, b, alpha}; }
-};
 
 /// A place on the tissue that a shape belongs to, and what becomes of the shape when tissue in
 /// front hides it.

@@ -2,17 +2,9 @@
 #include <cstdint>
 
 #include "overlay/gl_object.hpp"
+#include "overlay/pixel_rect.hpp"
 
 namespace depthscope::overlay {
-
-/// Rectangle of whole pixels, top left inclusive, bottom right exclusive.
-struct PixelRect {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-
-  int width() const { return x1 - x0; }
-  int height() const { return y1 - y0; }
-  bool empty() const { return x1 <= x0 || y1 <= y0; }
-};
 
 /// The overlay's own picture: premultiplied RGBA with a depth buffer, transparent where nothing was
 /// drawn. Rows run as in a picture: window row 0 is its top row.

@@ -11,14 +11,6 @@ namespace {
 
 using Eigen::Vector2f;
 
-constexpr float kMinAlpha = 1.0f / 255;  // of what is worth drawing
-
-int markTextPx(int height) {
-  return std::max(11, height / 40);
-}
-int faultTextPx(int height) {
-  return std::max(14, height / 22);
-}
 int labelTextPx(const OverlaySettings& s, int height) {
   return s.label_height_px > 0 ? static_cast<int>(std::lround(s.label_height_px))
                                : std::max(12, height / 34);
@@ -26,11 +18,6 @@ int labelTextPx(const OverlaySettings& s, int height) {
 
 PixelRect whole(const Layer& layer) {
   return {0, 0, layer.width(), layer.height()};
-}
-
-PixelRect clipped(const PixelRect& r, const Layer& layer) {
-  return {std::max(r.x0, 0), std::max(r.y0, 0), std::min(r.x1, layer.width()),
-          std::min(r.y1, layer.height())};
 }
 
 Eigen::AlignedBox2f toBox(const PixelRect& r) {
@@ -67,7 +54,7 @@ void OverlayRenderer::warmUp() {
   state.confidence = 1;
   const auto drawAt = [&](double time_s) {
     state.time_s = time_s;
-    if (!draw(camera_.width, camera_.height, state))
+    if (!draw(camera_.width, camera_.height, state, {}))
       throw InputError("overlay: the graphics driver fails to draw a " +
                        std::to_string(camera_.width) + " x " + std::to_string(camera_.height) +
                        " picture");
@@ -118,11 +105,7 @@ bool OverlayRenderer::prepare(int width, int height) {
   const bool resized = width != layer_.width() || height != layer_.height();
   if (!layer_.resize(width, height)) return false;
   if (!resized && atlas_) return true;
-  const int largest =
-      std::max({markTextPx(height), labelTextPx(settings_, height), faultTextPx(height)});
-  atlas_.emplace(rasterizer_, faultSlot() + 1, largest, width * 3 / 4);
-  for (int m = 0; m < kMarks; ++m)
-    atlas_->set(markSlot(static_cast<Mark>(m)), markText(static_cast<Mark>(m)), markTextPx(height));
+  atlas_.emplace(rasterizer_, max_labels_, labelTextPx(settings_, height), width * 3 / 4);
   setLabels(labels_.labels());
   return true;
 }
@@ -135,53 +118,17 @@ double OverlayRenderer::advance(double time_s) {
   return dt;
 }
 
-/// How much of the overlay may be seen: none without a pose one can rely on, less as the pose gets
-/// old.
-float OverlayRenderer::arAlpha(const OverlayState& state, int width, int height) const {
-  if (state.status != Status::Tracking || !state.T_camera_world.allFinite()) return 0;
-  if (width != camera_.width || height != camera_.height) return 0;
-  const float age = 2 - 2 * state.age_ms / std::max(settings_.max_age_ms, 1e-3f);
-  const float span = std::max(settings_.full_confidence - settings_.gone_confidence, 1e-3f);
-  const float confidence = (state.confidence - settings_.gone_confidence) / span;
-  const float alpha = std::clamp(age, 0.0f, 1.0f) * std::clamp(confidence, 0.0f, 1.0f);
-  return alpha >= kMinAlpha ? alpha : 0.0f;  // not a number: 0
-}
-
-Mark OverlayRenderer::markFor(const OverlayState& state, float ar_alpha) const {
-  switch (state.status) {
-    case Status::NoAr:
-      return Mark::NoAr;
-    case Status::Initializing:
-      return Mark::Initializing;
-    case Status::Lost:
-      return Mark::Lost;
-    case Status::Stale:
-      return Mark::Stale;
-    case Status::NoSignal:
-      return Mark::NoSignal;
-    case Status::Tracking:
-      break;
-  }
-  if (!(state.age_ms < settings_.max_age_ms)) return Mark::Stale;
-  return ar_alpha > 0 ? Mark::Tracking : Mark::Uncertain;
-}
-
-std::optional<PixelRect> OverlayRenderer::draw(int width, int height, const OverlayState& state) {
+std::optional<PixelRect> OverlayRenderer::draw(int width, int height, const OverlayState& state,
+                                               const PixelRect& mark) {
   if (!prepare(width, height)) return std::nullopt;
   const double dt_s = advance(state.time_s);
-  const float alpha = arAlpha(state, width, height);
-  const Mark mark = markFor(state, alpha);
-  const bool cues = alpha > 0 && settings_.cue != CueMode::Off;
-  if (settings_.cue == CueMode::Off && mark == Mark::Tracking && state.message.empty())
-    return PixelRect{};
-
+  const bool camera_size = width == camera_.width && height == camera_.height;
+  const float alpha = camera_size ? poseAlpha(state, settings_) : 0.0f;
+  if (alpha <= 0 || settings_.cue == CueMode::Off) return PixelRect{};
   layer_.beginSolid();
-  const PixelRect mark_rect = addMark(mark, state.message);
-  if (cues) drawTissueCues(state, dt_s, alpha, mark_rect);
-  layer_.beginFlat();
-  mark_ink_.draw(layer_, atlas_->texture(), 0, {1, 2}, 1);
+  drawTissueCues(state, dt_s, alpha, mark);
   if (glGetError() != GL_NO_ERROR) return std::nullopt;
-  return cues ? whole(layer_) : clipped(mark_rect, layer_);
+  return whole(layer_);
 }
 
 /// Everything that hangs on a pose: cue, labels, turned-aside view.
@@ -235,35 +182,6 @@ void OverlayRenderer::addLabels(const OverlayState& state, const PixelRect& mark
   const Eigen::AlignedBox2f obstacles[] = {toBox(mark), toBox(inset_.panel())};
   labels_.draw(state.T_camera_world, state.map_id, state.time_s, *atlas_,
                std::span(obstacles, inset ? 2 : 1), ink_);
-}
-
-/// The mark with its message in the top left corner.
-PixelRect OverlayRenderer::addMark(Mark mark, std::string_view message) {
-  const int height = layer_.height();
-  atlas_->set(messageSlot(), message, markTextPx(height));
-  const auto margin = static_cast<float>(height / 48);
-  mark_ink_.clear();
-  return drawStatusMark(mark, atlas_->spot(markSlot(mark)), atlas_->spot(messageSlot()),
-                        {margin, margin}, mark_ink_);
-}
-
-std::optional<PixelRect> OverlayRenderer::drawFault(int width, int height,
-                                                    std::string_view message) {
-  if (!prepare(width, height)) return std::nullopt;
-  atlas_->set(faultSlot(), message, faultTextPx(height));
-  const TextSpot& text = atlas_->spot(faultSlot());
-  const Vector2f centre(0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height));
-  const float symbol = static_cast<float>(faultTextPx(height));
-  layer_.beginFlat();
-  glClearColor(0, 0, 0, 0);
-  glClear(GL_COLOR_BUFFER_BIT);
-  mark_ink_.clear();
-  drawMarkSymbol(Mark::NoSignal, centre - Vector2f(0, 1.4f * symbol), symbol, mark_ink_);
-  mark_ink_.text(centre + Vector2f(-0.5f * static_cast<float>(text.width), 0.5f * symbol), text,
-                 {0.92f, 0.94f, 0.95f, 1});
-  mark_ink_.draw(layer_, atlas_->texture(), 0, {1, 2}, 1);
-  if (glGetError() != GL_NO_ERROR) return std::nullopt;
-  return whole(layer_);
 }
 
 bool OverlayRenderer::read(const PixelRect& rect, std::uint8_t* rgba) {

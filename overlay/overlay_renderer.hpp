@@ -9,13 +9,12 @@
 #include "overlay/inset_view.hpp"
 #include "overlay/label_pass.hpp"
 #include "overlay/layer.hpp"
-#include "overlay/status_mark.hpp"
 #include "overlay/surface_stack.hpp"
 #include "overlay/text_atlas.hpp"
 
 namespace depthscope::overlay {
 
-/// Draws everything that goes over a picture into one transparent layer.
+/// Draws what hangs on a pose (cues, labels, turned-aside view) into one transparent layer.
 class OverlayRenderer {
  public:
   OverlayRenderer(const CameraModel& camera, const OverlaySettings& settings);
@@ -25,29 +24,21 @@ class OverlayRenderer {
   void setLabels(std::span<const Label> labels);
 
   /// Draws the layer for a picture of this size; nothing if the driver fails. Returns the rectangle
-  /// outside of which the layer is transparent and was not touched; it may be empty.
-  std::optional<PixelRect> draw(int width, int height, const OverlayState& state);
-  /// The layer that stands on a dark picture when there is none from the scope.
-  std::optional<PixelRect> drawFault(int width, int height, std::string_view message);
+  /// outside of which the layer is transparent and was not touched; empty when there is nothing to
+  /// draw. `mark`: place of the status mark, which labels keep clear of.
+  std::optional<PixelRect> draw(int width, int height, const OverlayState& state,
+                                const PixelRect& mark);
   /// Pixels of the layer just drawn, as Layer::read.
   bool read(const PixelRect& rect, std::uint8_t* rgba);
 
  private:
   void warmUp();
   bool prepare(int width, int height);
-  float arAlpha(const OverlayState& state, int width, int height) const;
-  Mark markFor(const OverlayState& state, float ar_alpha) const;
   void drawTissueCues(const OverlayState& state, double dt_s, float alpha, const PixelRect& mark);
   void drawCue(const SurfaceStack::Shown& shown, const CueStyle& style, const Pose& T_camera_world,
                float alpha);
-  PixelRect addMark(Mark mark, std::string_view message);
   void addLabels(const OverlayState& state, const PixelRect& mark, bool inset);
   double advance(double time_s);
-
-  // Slots of the text atlas: labels first, then one for each of these.
-  int markSlot(Mark mark) const { return max_labels_ + static_cast<int>(mark); }
-  int messageSlot() const { return max_labels_ + kMarks; }
-  int faultSlot() const { return max_labels_ + kMarks + 1; }
 
   CameraModel camera_;
   OverlaySettings settings_;
@@ -61,7 +52,7 @@ class OverlayRenderer {
   std::uint32_t range_map_ = 0;
   InsetView inset_;
   LabelPass labels_;
-  Ink ink_, mark_ink_;
+  Ink ink_;
   std::optional<TextAtlas> atlas_;  // made for the picture's size
   double last_time_s_ = -1;
 };

@@ -51,7 +51,7 @@ std::string_view markText(Mark mark) {
   return "";
 }
 
-void drawMarkSymbol(Mark mark, const Vector2f& centre, float radius, Ink& ink) {
+void drawMarkSymbol(Mark mark, const Vector2f& centre, float radius, Stamp& stamp) {
   const Color c = markColor(mark);
   const float r = radius, w = std::max(1.3f, 0.26f * radius);
   const auto at = [&](float x, float y) {
@@ -59,53 +59,52 @@ void drawMarkSymbol(Mark mark, const Vector2f& centre, float radius, Ink& ink) {
   };
   switch (mark) {
     case Mark::Tracking:  // target
-      ink.ring(centre, r, w, c);
-      ink.disc(centre, 0.42f * r, c);
+      stamp.ring(centre, r, w, c);
+      stamp.disc(centre, 0.42f * r, c);
       break;
     case Mark::Initializing:  // three dots
-      for (float x : {-0.75f, 0.0f, 0.75f}) ink.disc(at(x, 0), 0.25f * r, c);
+      for (float x : {-0.75f, 0.0f, 0.75f}) stamp.disc(at(x, 0), 0.25f * r, c);
       break;
     case Mark::Uncertain:  // triangle
-      ink.line(at(0, -0.85f), at(0.9f, 0.7f), w, c);
-      ink.line(at(0.9f, 0.7f), at(-0.9f, 0.7f), w, c);
-      ink.line(at(-0.9f, 0.7f), at(0, -0.85f), w, c);
+      stamp.line(at(0, -0.85f), at(0.9f, 0.7f), w, c);
+      stamp.line(at(0.9f, 0.7f), at(-0.9f, 0.7f), w, c);
+      stamp.line(at(-0.9f, 0.7f), at(0, -0.85f), w, c);
       break;
     case Mark::Stale:  // clock
-      ink.ring(centre, r, w, c);
-      ink.line(centre, at(0, -0.55f), w, c);
-      ink.line(centre, at(0.4f, 0.25f), w, c);
+      stamp.ring(centre, r, w, c);
+      stamp.line(centre, at(0, -0.55f), w, c);
+      stamp.line(centre, at(0.4f, 0.25f), w, c);
       break;
     case Mark::Lost:  // cross
-      ink.line(at(-0.7f, -0.7f), at(0.7f, 0.7f), 1.2f * w, c);
-      ink.line(at(-0.7f, 0.7f), at(0.7f, -0.7f), 1.2f * w, c);
+      stamp.line(at(-0.7f, -0.7f), at(0.7f, 0.7f), 1.2f * w, c);
+      stamp.line(at(-0.7f, 0.7f), at(0.7f, -0.7f), 1.2f * w, c);
       break;
     case Mark::NoSignal:  // screen, struck through
-      ink.box(centre, {r, 0.72f * r}, 0.2f * r, w, c);
-      ink.line(at(-0.9f, 0.95f), at(0.9f, -0.95f), w, c);
+      stamp.box(centre, {r, 0.72f * r}, 0.2f * r, w, c);
+      stamp.line(at(-0.9f, 0.95f), at(0.9f, -0.95f), w, c);
       break;
     case Mark::NoAr:  // empty ring
-      ink.ring(centre, 0.9f * r, w, c);
+      stamp.ring(centre, 0.9f * r, w, c);
       break;
   }
 }
 
-PixelRect drawStatusMark(Mark mark, const TextSpot& text, const TextSpot& message,
-                         const Vector2f& corner, Ink& ink) {
-  const auto h = static_cast<float>(text.height);
-  const float pad = std::round(0.32f * h), symbol = std::round(0.30f * h);
-  const float gap = message.empty() ? 0.0f : pad;
-  const float width = 3 * pad + 2 * symbol + static_cast<float>(text.width) + gap +
-                      static_cast<float>(message.width);
-  const float height = h + std::round(0.2f * h);
-  const Vector2f half(0.5f * width, 0.5f * height);
-  ink.box(corner + half, half, half.y(), 0, kPanel);
-  drawMarkSymbol(mark, corner + Vector2f(pad + symbol, half.y()), symbol, ink);
-  const float top = corner.y() + 0.5f * (height - h);
-  const float left = corner.x() + 2 * pad + 2 * symbol;
-  ink.text({left, top}, text, kText);
-  ink.text({left + static_cast<float>(text.width) + gap, top}, message, kText.withAlpha(0.8f));
-  return {static_cast<int>(corner.x()) - 1, static_cast<int>(corner.y()) - 1,
-          static_cast<int>(corner.x() + width) + 2, static_cast<int>(corner.y() + height) + 2};
+Stamp makeMarkStamp(Mark mark, const TextBitmap& text, const TextBitmap& message) {
+  const int h = text.height;
+  const int pad = static_cast<int>(std::lround(0.32 * h));
+  const int symbol = static_cast<int>(std::lround(0.30 * h));
+  const int gap = message.width > 0 ? pad : 0;
+  const int width = 3 * pad + 2 * symbol + text.width + gap + message.width;
+  const int height = h + static_cast<int>(std::lround(0.2 * h));
+  Stamp stamp(width, height);
+  const Vector2f half(0.5f * static_cast<float>(width), 0.5f * static_cast<float>(height));
+  stamp.box(half, half, half.y(), 0, kPanel);
+  drawMarkSymbol(mark, {static_cast<float>(pad + symbol), half.y()}, static_cast<float>(symbol),
+                 stamp);
+  const int top = (height - h) / 2, left = 2 * pad + 2 * symbol;
+  stamp.text({left, top}, text, kText);
+  stamp.text({left + text.width + gap, top}, message, kText.withAlpha(0.8f));
+  return stamp;
 }
 
 }  // namespace depthscope::overlay

@@ -1,7 +1,8 @@
 #pragma once
+#include <cstdint>
 #include <string_view>
 
-#include "overlay/ink.hpp"
+#include "overlay/stamp.hpp"
 
 namespace depthscope::overlay {
 
@@ -13,11 +14,9 @@ std::string_view markText(Mark mark);
 
 /// A symbol for the mark, `radius` px around `centre`: every one of another shape, for colour alone
 /// tells nothing to one surgeon in twelve.
-void drawMarkSymbol(Mark mark, const Eigen::Vector2f& centre, float radius, Ink& ink);
+void drawMarkSymbol(Mark mark, const Eigen::Vector2f& centre, float radius, Stamp& stamp);
 
-/// Symbol, text and message in a small pill whose top left corner is at `corner`. Returns what it
-/// covers.
-PixelRect drawStatusMark(Mark mark, const TextSpot& text, const TextSpot& message,
-                         const Eigen::Vector2f& corner, Ink& ink);
+/// Symbol, text and message in a small pill. `message` may be empty.
+Stamp makeMarkStamp(Mark mark, const TextBitmap& text, const TextBitmap& message);
 
 }  // namespace depthscope::overlay

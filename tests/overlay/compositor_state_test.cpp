@@ -152,25 +152,6 @@ TEST(CompositorState, APictureOfAnotherSizeGetsTheMarkAloneAndTheNextOneEverythi
   EXPECT_EQ(layerOf(compositor, tracking()).bytes, before.bytes);
 }
 
-TEST(CompositorState, TheFaultPictureIsOpaqueDarkAndSaysWhy) {
-  Compositor compositor(testCamera(), plainSettings());
-  for (const auto& [w, h] : {std::pair{320, 240}, {641, 359}}) {
-    Image a(w, h), b(w, h);
-    ASSERT_TRUE(compositor.compositeFault(w, h, "no signal", a.bytes));
-    ASSERT_TRUE(compositor.compositeFault(w, h, "no camera", b.bytes));
-    EXPECT_NE(a.bytes, b.bytes);
-    int bright = 0;
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        ASSERT_EQ(a.at(x, y)[3], 255);
-        bright += a.luminance(x, y) > 150;
-      }
-    EXPECT_GT(bright, 60);
-    EXPECT_LT(bright, w * h / 20);
-    EXPECT_LT(a.luminance(2, 2), 25);
-  }
-}
-
 TEST(CompositorState, TheSameFramesGiveTheSamePictures) {
   const auto run = [] {
     OverlaySettings settings;

@@ -22,6 +22,7 @@ enum class SourceStatus : std::uint8_t {
   PermissionDenied,
   ReadError,
 };
+inline constexpr int source_status_count = static_cast<int>(SourceStatus::ReadError) + 1;
 
 /// Short English name of a status, for logs and the status mark, e.g. "no signal".
 std::string_view toString(SourceStatus status);

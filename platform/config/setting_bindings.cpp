@@ -207,6 +207,14 @@ void bindDaemon(Binder& b, DaemonSettings& s) {
   b.number("restart_max_s", s.restart_max_s, 0.01, 600, "the wait doubles up to this");
   b.number("heartbeat_timeout_s", s.heartbeat_timeout_s, 0.5, 600,
            "an AR process silent for longer is killed and started again");
+  b.number("ar_nice", s.ar_nice, 0, 19, "the AR process gives way to the picture: nice(2) value");
+  b.number("ar_memory_mb", s.ar_memory_mb, 0, 1 << 20,
+           "[MiB] private memory the AR process may take; 0: no limit");
+  b.number("overlay_wait", s.overlay_wait, 0, 1,
+           "[frame intervals] most that a picture waits for its overlay");
+  b.number("stale_s", s.stale_s, 0, 60,
+           "[s] the last picture stays for so long, marked, when no new one comes");
+  b.text("frame_log", s.frame_log, "CSV file with the times of every picture; empty: none");
   b.number("max_vertices", s.max_vertices, 1000, 4000000, "room for a surface in shared memory");
   b.number("max_triangles", s.max_triangles, 1000, 8000000, "room for a surface in shared memory");
 }

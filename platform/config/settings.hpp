@@ -35,7 +35,12 @@ struct DaemonSettings {
   double restart_min_s = 0.2;       // first wait before the AR process is started again
   double restart_max_s = 10;        // the wait doubles up to this
   double heartbeat_timeout_s = 10;  // an AR process silent for longer is killed and started again
-  int max_vertices = 120000;        // room for a surface in shared memory
+  int ar_nice = 10;                 // the AR process gives way to the picture: nice(2) value
+  int ar_memory_mb = 1024;          // private memory the AR process may take; 0: no limit
+  double overlay_wait = 0.5;        // most that a picture waits for its overlay, in frame intervals
+  double stale_s = 1;         // the last picture stays for so long, marked, when no new one comes
+  std::string frame_log;      // CSV file with the times of every picture; empty: none
+  int max_vertices = 120000;  // room for a surface in shared memory
   int max_triangles = 240000;
 };
 

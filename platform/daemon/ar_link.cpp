@@ -2,6 +2,8 @@
 
 #include <sys/eventfd.h>
 
+#include <algorithm>
+
 #include "capture/pixel_convert.hpp"
 
 namespace depthscope::platform {
@@ -23,11 +25,13 @@ void ArLink::setAlive(bool alive) {
   if ((starts % 2 == 1) != alive) starts_.store(starts + 1, std::memory_order_release);
 }
 
-void ArLink::publish(const capture::Frame& frame, std::vector<std::uint8_t>& gray) {
+bool ArLink::fits(int width, int height) const {
   const SharedCapacity& c = memory_.capacity();
-  if (frame.format.width != static_cast<int>(c.width) ||
-      frame.format.height != static_cast<int>(c.height))
-    return;
+  return width == static_cast<int>(c.width) && height == static_cast<int>(c.height);
+}
+
+void ArLink::publish(const capture::Frame& frame, std::vector<std::uint8_t>& gray) {
+  if (!fits(frame.format.width, frame.format.height)) return;
   GrayView luma = frame.luma();
   if (luma.empty()) {
     capture::toGray(frame, gray);
@@ -62,7 +66,7 @@ void ArLink::update(overlay::Compositor& compositor) {
       compositor.setSurface(surface_);
       break;
     case SurfaceMailboxReader::Result::Rejected:
-      ++rejected_;
+      reject();
       break;
     case SurfaceMailboxReader::Result::Nothing:
       break;
@@ -73,46 +77,49 @@ void ArLink::update(overlay::Compositor& compositor) {
   if (decodeLabels(wire_labels_, labels_))
     compositor.setLabels(labels_);
   else
-    ++rejected_;
+    reject();
 }
 
-overlay::OverlayState ArLink::state(PublishedFrames::Time captured) {
-  overlay::OverlayState state;
+ArLink::View ArLink::view(PublishedFrames::Time captured, int width, int height) {
+  View view;
+  overlay::OverlayState& state = view.state;
   state.time_s = std::chrono::duration<double>(captured.time_since_epoch()).count();
-  if (starts_seen_ % 2 == 0) return state;
+  if (!fits(width, height)) {
+    state.message = "picture size is not the camera file's";
+    return view;
+  }
+  if (starts_seen_ % 2 == 0) return view;
   WirePose wire;
   PoseEstimate pose;
   state.status = overlay::Status::Initializing;
-  if (!memory_.block().pose.read(wire)) return state;
+  if (!memory_.block().pose.read(wire)) return view;
   if (!decodePose(wire, pose)) {
-    ++rejected_;
+    reject();
     state.status = overlay::Status::Stale;
-    return state;
+    return view;
   }
   const auto pose_time = published_.captured(pose.frame);
   const float age_ms = pose_time
                            ? std::chrono::duration<float, std::milli>(captured - *pose_time).count()
                            : max_age_ms_ + 1;
-  // A pose of a picture yet to come cannot be: that too is none to draw with.
-  if (age_ms < 0 || age_ms > max_age_ms_) {
+  // A pose may be newer than the picture: of the next one, found while this was waiting to be drawn
+  // over. One of a picture that was never given out is none to draw with.
+  if (age_ms > max_age_ms_) {
     state.status = overlay::Status::Stale;
-    return state;
+    return view;
   }
-  switch (pose.state) {
-    case TrackingState::Initializing:
-      return state;
-    case TrackingState::Lost:
-      state.status = overlay::Status::Lost;
-      return state;
-    case TrackingState::Tracking:
-      break;
+  if (pose.state == TrackingState::Initializing) return view;
+  if (pose.state == TrackingState::Lost) {
+    state.status = overlay::Status::Lost;
+    return view;
   }
   state.status = overlay::Status::Tracking;
   state.T_camera_world = pose.T_camera_world;
   state.map_id = pose.map_id;
   state.confidence = pose.confidence;
-  state.age_ms = age_ms;
-  return state;
+  state.age_ms = std::max(age_ms, 0.0f);
+  view.pose_captured = *pose_time;
+  return view;
 }
 
 }  // namespace depthscope::platform

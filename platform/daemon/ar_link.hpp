@@ -10,31 +10,41 @@
 
 namespace depthscope::platform {
 
-/// The video loop's end of the shared memory: gives pictures to the AR process and turns what comes
-/// back, checked, into the overlay's state. Never waits for the AR process. From one thread, but
-/// for setAlive().
+/// The video process' end of the shared memory: gives pictures to the AR process and turns what
+/// comes back, checked, into the overlay's state. Never waits for the AR process. Pictures are
+/// given by one thread (the video loop), what comes back is taken by one other (which draws the
+/// overlay).
 class ArLink {
  public:
   /// `frame_event`: eventfd that wakes the AR process. `max_age_ms`: an older pose is not drawn
   /// with.
   ArLink(const SharedMemory& memory, int frame_event, float max_age_ms);
 
+  /// How to draw over a picture.
+  struct View {
+    overlay::OverlayState state;
+    PublishedFrames::Time pose_captured;  // capture time of the pose's picture; while Tracking
+  };
+
   /// From any thread: whether an AR process runs. Each time one stops, its surface and labels are
   /// forgotten.
   void setAlive(bool alive);
 
-  /// Hands a picture to the AR process. `gray` is scratch for formats without a luma plane.
+  /// Hands a picture to the AR process, if it has the camera file's size. `gray` is scratch for
+  /// formats without a luma plane.
   void publish(const capture::Frame& frame, std::vector<std::uint8_t>& gray);
   /// Brings the compositor's surface and labels up to date.
   void update(overlay::Compositor& compositor);
-  /// How to draw over a picture captured at `captured`.
-  overlay::OverlayState state(PublishedFrames::Time captured);
+  /// For a picture of this size captured at `captured`.
+  View view(PublishedFrames::Time captured, int width, int height);
 
-  /// Things that the AR process sent and that did not pass the checks.
-  std::uint64_t rejected() const { return rejected_; }
+  /// From any thread: things that the AR process sent and that did not pass the checks.
+  std::uint64_t rejected() const { return rejected_.load(std::memory_order_relaxed); }
 
  private:
   void forget(overlay::Compositor& compositor);
+  void reject() { rejected_.fetch_add(1, std::memory_order_relaxed); }
+  bool fits(int width, int height) const;
 
   const SharedMemory& memory_;
   int frame_event_;
@@ -44,7 +54,8 @@ class ArLink {
   PublishedFrames published_;
   std::atomic<std::uint32_t> starts_{0};  // odd: alive
   std::uint32_t starts_seen_ = 0;
-  std::uint64_t labels_seen_ = 0, rejected_ = 0;
+  std::atomic<std::uint64_t> rejected_{0};
+  std::uint64_t labels_seen_ = 0;
   WireLabels wire_labels_{};
   std::vector<Label> labels_;
   SurfaceMesh surface_;

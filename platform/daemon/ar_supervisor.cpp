@@ -35,6 +35,8 @@ ArSupervisor::ArSupervisor(std::vector<std::string> command, const SharedMemory&
       memory_(memory),
       frame_event_(frame_event),
       heartbeat_timeout_(seconds(settings.heartbeat_timeout_s)),
+      nice_(settings.ar_nice),
+      memory_bytes_(static_cast<std::uint64_t>(settings.ar_memory_mb) << 20),
       policy_(seconds(settings.restart_min_s), seconds(settings.restart_max_s)) {
   const auto option = [&](const char* name, int fd) {
     command_.insert(command_.end(), {name, std::to_string(fd)});
@@ -72,6 +74,8 @@ void ArSupervisor::start(Clock::time_point now) {
     memory_.block().labels.write(WireLabels{});
     policy_.started(now);
     child_ = ChildProcess(command_, descriptors);
+    if (!child_.restrict(nice_, memory_bytes_))
+      log(LogPriority::Warning, "AR process runs without its limits", {{"pid", child_.pid()}});
     last_beat_ = now;
     ++starts_;
     log(LogPriority::Info, "AR process started", {{"pid", child_.pid()}, {"restarts", restarts()}});

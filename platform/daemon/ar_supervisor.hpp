@@ -38,6 +38,8 @@ class ArSupervisor {
   const SharedMemory& memory_;
   int frame_event_;
   std::chrono::nanoseconds heartbeat_timeout_;
+  int nice_;
+  std::uint64_t memory_bytes_;
   RestartPolicy policy_;
   ChildProcess child_;
   UniqueFd commands_;

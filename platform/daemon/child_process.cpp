@@ -2,9 +2,11 @@
 
 #include <signal.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 
 extern char** environ;
@@ -61,6 +63,19 @@ ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
     pid_ = std::exchange(other.pid_, -1);
   }
   return *this;
+}
+
+bool ChildProcess::restrict(int nice, std::uint64_t memory_bytes) const {
+  if (pid_ <= 0) return false;
+  bool done = ::setpriority(PRIO_PROCESS, static_cast<id_t>(pid_), nice) == 0;
+  if (memory_bytes > 0) {
+    const rlimit limit{memory_bytes, memory_bytes};
+    done &= ::prlimit(pid_, RLIMIT_DATA, &limit, nullptr) == 0;
+  }
+  const std::string path = "/proc/" + std::to_string(pid_) + "/oom_score_adj";
+  std::ofstream score(path);
+  score << 900 << std::flush;
+  return done && score.good();
 }
 
 bool ChildProcess::ended(int& status) {

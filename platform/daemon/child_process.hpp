@@ -1,6 +1,7 @@
 #pragma once
 #include <sys/types.h>
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <utility>
@@ -19,6 +20,11 @@ class ChildProcess {
   ChildProcess(ChildProcess&& other) noexcept : pid_(std::exchange(other.pid_, -1)) {}
   ChildProcess& operator=(ChildProcess&& other) noexcept;
   ~ChildProcess() { kill(); }
+
+  /// What the child may take of the machine. `nice`: its CPU priority, nice(2). `memory_bytes`:
+  /// private memory, beyond which its allocations fail; 0: no limit. When the whole machine runs
+  /// out, the child goes first. False when the system did not allow one of them.
+  bool restrict(int nice, std::uint64_t memory_bytes) const;
 
   bool running() const { return pid_ > 0; }
   pid_t pid() const { return pid_; }

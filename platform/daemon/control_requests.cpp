@@ -41,6 +41,10 @@ const char* overlayStatusName(std::uint8_t status) {
   return "unknown";
 }
 
+nlohmann::ordered_json toJson(const DurationSummary& s) {
+  return {{"count", s.count}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
+}
+
 bool writeAll(int fd, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(fd, bytes.data(), bytes.size());
@@ -166,13 +170,24 @@ std::string ControlRequests::status() const {
       {"frames_tracked", report_.tracked.load()},
       {"fault_pictures", report_.faults.load()},
       {"overlay_failures", report_.overlay_failures.load()},
-      {"composite_p50_ms", report_.composite_p50_ms.load()},
-      {"composite_p99_ms", report_.composite_p99_ms.load()},
+      {"stale_pictures", report_.stale.load()},
+      {"late_overlays", report_.late_overlays.load()},
       {"peak_rss_mb", static_cast<double>(usage.ru_maxrss) / 1024.0},
       {"ar_alive", ar_.alive()},
       {"ar_pid", ar_.pid()},
       {"ar_restarts", ar_.restarts()},
       {"ar_rejected", report_.rejected.load()}};
+  FrameClockSummary times;
+  if (report_.times.read(times)) {
+    json["video_delay_ms"] = toJson(times.video_delay);
+    json["shown_delay_ms"] = toJson(times.shown_delay);
+    json["overlay_age_ms"] = toJson(times.overlay_age);
+    json["stages_ms"] = {{"dequeue", toJson(times.dequeue)},
+                         {"upload", toJson(times.upload)},
+                         {"overlay_wait", toJson(times.overlay_wait)},
+                         {"blend", toJson(times.blend)},
+                         {"submit", toJson(times.submit)}};
+  }
   WireArStatus ar;
   if (ar_.alive() && memory_.block().status.read(ar) && plausible(ar)) {
     json["keyframes"] = ar.keyframes;

@@ -88,19 +88,37 @@ Daemon::Daemon(const DaemonOptions& options)
 
 void Daemon::run() {
   if (options_.settings.daemon.lock_memory) lockMemory();
-  VideoThread video(
-      [this] {
-        return std::make_unique<VideoLoop>(*source_, options_.camera, options_.settings.overlay,
-                                           *display_, link_, video_requests_, report_);
-      },
-      options_.settings.daemon.realtime_priority, report_);
+  if (const std::string& path = options_.settings.daemon.frame_log; !path.empty())
+    frame_log_.emplace(path);
+  OverlayThread layers([this] {
+    return std::make_unique<LayerPainter>(options_.camera, options_.settings.overlay, link_,
+                                          video_requests_);
+  });
+  VideoThread video([&] { return makeLoop(layers); }, options_.settings.daemon.realtime_priority,
+                    report_);
   ::sd_watchdog_enabled(0, &watchdog_us_);
-  ::sd_notify(0, "READY=1");
   log(LogPriority::Info, "started", {{"input", options_.settings.capture.input}, {"fps", fps_}});
   serviceLoop();
   ::sd_notify(0, "STOPPING=1");
   video.stop();
+  if (frame_log_) frame_log_->flush();
   logEnd();
+}
+
+std::unique_ptr<VideoLoop> Daemon::makeLoop(LayerSource& layers) {
+  const VideoLoop::Parts parts{*source_,
+                               *display_,
+                               layers,
+                               link_,
+                               video_requests_,
+                               report_,
+                               frame_log_ ? &*frame_log_ : nullptr,
+                               kernel::realSystemCalls()};
+  const VideoLoopSettings settings{static_cast<float>(options_.settings.daemon.overlay_wait),
+                                   options_.settings.overlay.max_age_ms,
+                                   options_.settings.daemon.stale_s};
+  return std::make_unique<VideoLoop>(parts, settings, options_.settings.overlay.font_file,
+                                     options_.camera.width, options_.camera.height);
 }
 
 void Daemon::serviceLoop() {
@@ -112,6 +130,7 @@ void Daemon::serviceLoop() {
     ar_.tick(std::chrono::steady_clock::now());
     link_.setAlive(ar_.alive());
     if (wait[1].revents != 0) control_.serve();
+    if (frame_log_) frame_log_->flush();
     feedWatchdog();
   }
 }
@@ -127,15 +146,19 @@ bool Daemon::handleSignals() {
   return true;
 }
 
-/// Tells systemd that all is well as long as the video loop turns.
+/// Tells systemd that the service is up once a picture went out, and that all is well as long as
+/// pictures, or pictures that say what is wrong, go out.
 void Daemon::feedWatchdog() {
-  if (watchdog_us_ == 0) return;
   const auto now = std::chrono::steady_clock::now();
-  const std::uint64_t loops = report_.loops.load(std::memory_order_relaxed);
-  if (loops == loops_seen_ || now - last_fed_ < std::chrono::microseconds(watchdog_us_ / 4)) return;
-  loops_seen_ = loops;
+  const std::uint64_t presented = report_.presented.load(std::memory_order_acquire);
+  if (presented == presented_seen_) return;
+  if (presented_seen_ == 0)
+    ::sd_notify(0, "READY=1");
+  else if (watchdog_us_ == 0 || now - last_fed_ < std::chrono::microseconds(watchdog_us_ / 4))
+    return;
+  presented_seen_ = presented;
   last_fed_ = now;
-  ::sd_notify(0, "WATCHDOG=1");
+  if (watchdog_us_ != 0) ::sd_notify(0, "WATCHDOG=1");
 }
 
 void Daemon::logEnd() const {

@@ -7,13 +7,16 @@
 #include "platform/daemon/control_requests.hpp"
 #include "platform/daemon/control_server.hpp"
 #include "platform/daemon/daemon_options.hpp"
+#include "platform/daemon/frame_log.hpp"
+#include "platform/daemon/overlay_thread.hpp"
 #include "platform/daemon/video_thread.hpp"
 #include "platform/display/display.hpp"
 
 namespace depthscope::platform {
 
-/// The video process: the video loop in a thread of its own, and beside it, in the calling thread,
-/// the service: signals, the AR process, the control socket, systemd.
+/// The video process: the video loop and the drawing of the overlay in threads of their own, and
+/// beside them, in the calling thread, the service: signals, the AR process, the control socket,
+/// systemd.
 class Daemon {
  public:
   /// Blocks the signals that the service waits for, so it comes before any thread. Throws
@@ -24,6 +27,7 @@ class Daemon {
 
  private:
   void serviceLoop();
+  std::unique_ptr<VideoLoop> makeLoop(LayerSource& layers);
   bool handleSignals();
   void feedWatchdog();
   void logEnd() const;
@@ -38,9 +42,10 @@ class Daemon {
   ArSupervisor ar_;
   VideoReport report_;
   VideoRequests video_requests_;
+  std::optional<FrameLog> frame_log_;
   ControlRequests control_requests_;
   ControlServer control_;
-  std::uint64_t watchdog_us_ = 0, loops_seen_ = 0;
+  std::uint64_t watchdog_us_ = 0, presented_seen_ = 0;
   std::chrono::steady_clock::time_point last_fed_{};
 };
 

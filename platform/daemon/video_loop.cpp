@@ -1,114 +1,192 @@
 #include "platform/daemon/video_loop.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "capture/pixel_convert.hpp"
-#include "platform/stopwatch.hpp"
+#include "overlay/blend.hpp"
+#include "types/allocation_scope.hpp"
 
 namespace depthscope::platform {
 namespace {
 
-/// A missing picture is said on screen within 100 ms (promise 1 of the design), but a slow clip is
-/// no fault.
-std::chrono::nanoseconds readTimeout(double fps) {
-  const std::chrono::duration<double> slow(fps > 0 ? 2.5 / fps : 0);
-  return std::max<std::chrono::nanoseconds>(
-      std::chrono::milliseconds(80), std::chrono::duration_cast<std::chrono::nanoseconds>(slow));
+using capture::SourceStatus;
+using std::chrono::duration;
+using std::chrono::nanoseconds;
+
+constexpr std::string_view stale_message = "no new picture";
+constexpr std::uint64_t pictures_per_summary = 30;
+constexpr double usual_fps = 30;
+
+nanoseconds toNanoseconds(double seconds) {
+  return std::chrono::duration_cast<nanoseconds>(duration<double>(seconds));
 }
 
-constexpr std::uint64_t pictures_per_percentile = 30;
+/// A missing picture is said on screen within 100 ms (promise 1 of the design), but a slow clip is
+/// no fault.
+nanoseconds readTimeout(double fps) {
+  return std::max<nanoseconds>(std::chrono::milliseconds(80),
+                               toNanoseconds(fps > 0 ? 1.6 / fps : 0));
+}
 
-std::size_t pixelCount(int width, int height) {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+std::size_t byteCount(int width, int height) {
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4;
+}
+
+std::string_view faultMessage(SourceStatus status) {
+  return status == SourceStatus::Timeout ? stale_message : toString(status);
 }
 
 }  // namespace
 
-VideoLoop::VideoLoop(capture::FrameSource& source, const CameraModel& camera,
-                     const overlay::OverlaySettings& overlay, Display& display, ArLink& ar,
-                     VideoRequests& requests, VideoReport& report)
-    : source_(source),
-      display_(display),
-      ar_(ar),
-      requests_(requests),
-      report_(report),
-      compositor_(camera, overlay),
-      picture_(pixelCount(camera.width, camera.height) * 4),
-      gray_(pixelCount(camera.width, camera.height)),
-      width_(camera.width),
-      height_(camera.height) {}
-
-void VideoLoop::run(const std::stop_token& stop) {
-  const std::chrono::nanoseconds timeout = readTimeout(source_.fps());
-  while (!stop.stop_requested()) {
-    const capture::ReadResult result = source_.read(timeout);
-    report_.loops.fetch_add(1, std::memory_order_relaxed);
-    report_.source_status.store(static_cast<std::uint8_t>(result.status),
-                                std::memory_order_relaxed);
-    if (result.status == capture::SourceStatus::EndOfStream) break;
-    takeRequests();
-    if (result.status == capture::SourceStatus::Ok)
-      showPicture(result.frame);
-    else
-      showFault(result.status);
-    report_.skipped.store(source_.skipped(), std::memory_order_relaxed);
-    report_.rejected.store(ar_.rejected(), std::memory_order_relaxed);
-  }
-  report_.ended.store(true, std::memory_order_release);
+VideoLoop::VideoLoop(const Parts& parts, const VideoLoopSettings& settings,
+                     const std::string& font_file, int width, int height)
+    : parts_(parts), settings_(settings), painter_(font_file) {
+  resize(width, height);
 }
 
-void VideoLoop::takeRequests() {
-  if (const auto settings = requests_.takeOverlay()) compositor_.setSettings(*settings);
+/// Room for pictures of this size, and everything that may have to be said in them.
+void VideoLoop::resize(int width, int height) {
+  if (width == width_ && height == height_) return;
+  width_ = width;
+  height_ = height;
+  const std::size_t bytes = byteCount(width, height);
+  if (picture_.size() < bytes) picture_.resize(bytes);
+  if (gray_.size() < bytes / 4) gray_.resize(bytes / 4);
+  std::vector<std::string_view> messages{stale_message};
+  for (int s = 0; s < capture::source_status_count; ++s)
+    messages.push_back(faultMessage(static_cast<SourceStatus>(s)));
+  painter_.prepare(width, height, messages);
+  parts_.requests.setPictureBytes(bytes);
+  last_picture_.reset();
+}
+
+void VideoLoop::run(const std::stop_token& stop) {
+  while (!stop.stop_requested() && turn()) {
+  }
+  parts_.report.ended.store(true, std::memory_order_release);
+}
+
+bool VideoLoop::turn() {
+  const AllocationScope scope;
+  const capture::ReadResult result = parts_.source.read(readTimeout(parts_.source.fps()));
+  VideoReport& report = parts_.report;
+  report.source_status.store(static_cast<std::uint8_t>(result.status), std::memory_order_relaxed);
+  if (result.status == SourceStatus::EndOfStream) return false;
+  if (result.status == SourceStatus::Ok)
+    showPicture(result.frame);
+  else
+    showFault(result.status);
+  report.skipped.store(parts_.source.skipped(), std::memory_order_relaxed);
+  report.rejected.store(parts_.ar.rejected(), std::memory_order_relaxed);
+  return true;
 }
 
 void VideoLoop::showPicture(const capture::Frame& frame) {
-  ar_.publish(frame, gray_);
-  ar_.update(compositor_);
-  width_ = frame.format.width;
-  height_ = frame.format.height;
-  shown_ = std::max(shown_ + 1,
-                    static_cast<std::int64_t>(frame.sequence));  // fault pictures were counted too
-  // Grows when the mode changes to a larger one, and then never again.
-  if (picture_.size() < pixelCount(width_, height_) * 4)
-    picture_.resize(pixelCount(width_, height_) * 4);
-  const auto out = display_.acquire(width_, height_);
+  FrameTimes times;
+  times.sequence = frame.sequence;
+  times.captured = frame.capture_time;
+  times.dequeued = parts_.system.now();
+  times.damaged = frame.damaged;
+  resize(frame.format.width, frame.format.height);
+  parts_.ar.publish(frame, gray_);
+  parts_.layers.request({++requests_, width_, height_, frame.damaged, frame.capture_time});
+  // Fault pictures were counted too.
+  shown_ = std::max(shown_ + 1, static_cast<std::int64_t>(frame.sequence));
+  capture::toRgba(frame, picture_);
+  last_picture_ = times.dequeued;
+  times.uploaded = parts_.system.now();
+
+  const auto out = parts_.display.acquire(width_, height_);
   if (out.empty()) {
-    report_.given_up.fetch_add(1, std::memory_order_relaxed);
+    parts_.report.given_up.fetch_add(1, std::memory_order_relaxed);
     return;
   }
-  const Stopwatch watch;
-  const std::span picture = std::span(picture_).first(out.size());
-  capture::toRgba(frame, picture);
-  const overlay::OverlayState state = ar_.state(frame.capture_time);
-  // On false the driver failed: the picture goes out without its overlay.
-  if (!compositor_.composite({picture.data(), width_, height_, width_ * 4}, state, out))
-    report_.overlay_failures.fetch_add(1, std::memory_order_relaxed);
-  composite_ms_.add(watch.elapsedMs());
-  present(out, width_, height_);
-  report_.overlay_status.store(static_cast<std::uint8_t>(state.status), std::memory_order_relaxed);
-  if (state.status == overlay::Status::Tracking)
-    report_.tracked.fetch_add(1, std::memory_order_relaxed);
-  if (report_.frames.fetch_add(1, std::memory_order_relaxed) % pictures_per_percentile == 0) {
-    report_.composite_p50_ms.store(composite_ms_.percentile(0.5), std::memory_order_relaxed);
-    report_.composite_p99_ms.store(composite_ms_.percentile(0.99), std::memory_order_relaxed);
+  const double fps = parts_.source.fps() > 0 ? parts_.source.fps() : usual_fps;
+  layer_ = parts_.layers.newest(times.dequeued +
+                                toNanoseconds(static_cast<double>(settings_.overlay_wait) / fps));
+  times.overlaid = parts_.system.now();
+  compose(frame, out, times);
+  times.composited = parts_.system.now();
+  present(out);
+  times.submitted = parts_.system.now();
+  parts_.report.frames.fetch_add(1, std::memory_order_relaxed);
+  account(times);
+}
+
+/// The newest overlay, if it fits the picture and its pose is not too old for it.
+const OverlayLayer* VideoLoop::usableLayer(const capture::Frame& frame) const {
+  if (layer_ == nullptr || layer_->width != width_ || layer_->height != height_) return nullptr;
+  const bool by_pose = layer_->status == overlay::Status::Tracking;
+  const Time from = by_pose ? layer_->pose_captured : layer_->captured;
+  const duration<float, std::milli> age = frame.capture_time - from;
+  return age.count() <= settings_.max_age_ms ? layer_ : nullptr;
+}
+
+/// Lays the overlay over the picture, or else a mark that says that there is none.
+void VideoLoop::compose(const capture::Frame& frame, std::span<std::uint8_t> out,
+                        FrameTimes& times) {
+  const std::size_t row = byteCount(width_, 1);
+  const OverlayLayer* layer = usableLayer(frame);
+  if (layer == nullptr) {
+    std::memcpy(out.data(), picture_.data(), byteCount(width_, height_));
+    const bool was = layer_ != nullptr;
+    const auto status = was ? overlay::Status::Stale : overlay::Status::NoAr;
+    painter_.paintMark(was ? overlay::Mark::Stale : overlay::Mark::NoAr, {}, out, width_, height_);
+    times.overlay_status = static_cast<std::uint8_t>(status);
+    return;
   }
+  for (int y = 0; y < height_; ++y) {
+    const std::size_t at = row * static_cast<std::size_t>(y);
+    if (y >= layer->rect.y0 && y < layer->rect.y1)
+      overlay::blendRow(layer->pixels.data() + at, picture_.data() + at, out.data() + at, width_);
+    else
+      std::memcpy(out.data() + at, picture_.data() + at, row);
+  }
+  times.overlay_status = static_cast<std::uint8_t>(layer->status);
+  if (!layer->drawn) parts_.report.overlay_failures.fetch_add(1, std::memory_order_relaxed);
+  if (layer->number != requests_)
+    parts_.report.late_overlays.fetch_add(1, std::memory_order_relaxed);
+  if (layer->status != overlay::Status::Tracking) return;
+  const duration<float, std::milli> age = frame.capture_time - layer->pose_captured;
+  times.overlay_age_ms = std::max(age.count(), 0.0f);
 }
 
-void VideoLoop::showFault(capture::SourceStatus status) {
-  const auto out = display_.acquire(width_, height_);
+void VideoLoop::account(const FrameTimes& times) {
+  clock_.add(times);
+  if (parts_.log != nullptr) parts_.log->add(times);
+  VideoReport& report = parts_.report;
+  report.overlay_status.store(times.overlay_status, std::memory_order_relaxed);
+  if (times.overlay_age_ms) report.tracked.fetch_add(1, std::memory_order_relaxed);
+  if (report.frames.load(std::memory_order_relaxed) % pictures_per_summary == 1)
+    report.times.write(clock_.summary());
+}
+
+/// A source that only pauses keeps its last picture for a while, darkened and marked; one that says
+/// what is wrong has that said in a picture of its own.
+void VideoLoop::showFault(SourceStatus status) {
+  const auto out = parts_.display.acquire(width_, height_);
   if (out.empty()) return;
-  const bool late = status == capture::SourceStatus::Timeout;
-  compositor_.compositeFault(width_, height_, late ? "no signal" : toString(status), out);
+  const bool pause = status == SourceStatus::Timeout && last_picture_ &&
+                     parts_.system.now() - *last_picture_ < toNanoseconds(settings_.stale_s);
+  if (pause) {
+    std::memcpy(out.data(), picture_.data(), byteCount(width_, height_));
+    painter_.paintStale(stale_message, out, width_, height_);
+    parts_.report.stale.fetch_add(1, std::memory_order_relaxed);
+  } else {
+    painter_.paintFault(faultMessage(status), out, width_, height_);
+  }
   ++shown_;
-  present(out, width_, height_);
-  report_.overlay_status.store(static_cast<std::uint8_t>(overlay::Status::NoSignal),
-                               std::memory_order_relaxed);
-  report_.faults.fetch_add(1, std::memory_order_relaxed);
+  present(out);
+  parts_.report.overlay_status.store(static_cast<std::uint8_t>(overlay::Status::NoSignal),
+                                     std::memory_order_relaxed);
+  parts_.report.faults.fetch_add(1, std::memory_order_relaxed);
 }
 
-void VideoLoop::present(std::span<std::uint8_t> picture, int width, int height) {
-  requests_.offerPicture({picture.data(), width, height, width * 4});
-  display_.present(shown_);
+void VideoLoop::present(std::span<std::uint8_t> picture) {
+  parts_.requests.offerPicture({picture.data(), width_, height_, width_ * 4});
+  parts_.display.present(shown_);
+  parts_.report.presented.fetch_add(1, std::memory_order_release);
 }
 
 }  // namespace depthscope::platform

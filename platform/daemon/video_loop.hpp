@@ -1,48 +1,75 @@
 #pragma once
-#include <memory>
 #include <stop_token>
 #include <vector>
 
 #include "capture/frame_source.hpp"
-#include "overlay/compositor.hpp"
+#include "kernel/system_calls.hpp"
+#include "overlay/status_painter.hpp"
 #include "platform/daemon/ar_link.hpp"
+#include "platform/daemon/frame_clock.hpp"
+#include "platform/daemon/frame_log.hpp"
+#include "platform/daemon/layer_source.hpp"
 #include "platform/daemon/video_report.hpp"
 #include "platform/daemon/video_requests.hpp"
 #include "platform/display/display.hpp"
-#include "platform/histogram.hpp"
 
 namespace depthscope::platform {
 
-/// The picture's way through the box: capture, hand a copy of the luma to the AR process, composite
-/// with the newest pose there is, show. All in one thread, which waits for nothing but the next
-/// picture.
+struct VideoLoopSettings {
+  float overlay_wait = 0.5f;  // most that a picture waits for its overlay, in frame intervals
+  float max_age_ms = 120;     // an overlay by an older pose is not shown
+  double stale_s = 1;         // for so long the last picture stays, marked, when no new one comes
+};
+
+/// The picture's way through the box: capture, hand a copy of the luma to the AR process, lay over
+/// the newest overlay there is, show. All in one thread, which waits for nothing but the next
+/// picture and, for a bounded time, the overlay.
 class VideoLoop {
  public:
-  /// All references outlive the loop. The compositor is made by the constructor, so the constructor
-  /// runs in the thread that will call run(). Throws InputError when graphics cannot be had.
-  VideoLoop(capture::FrameSource& source, const CameraModel& camera,
-            const overlay::OverlaySettings& overlay, Display& display, ArLink& ar,
-            VideoRequests& requests, VideoReport& report);
+  /// What the loop works with; all of it outlives the loop. `log` may be null.
+  struct Parts {
+    capture::FrameSource& source;
+    Display& display;
+    LayerSource& layers;
+    ArLink& ar;
+    VideoRequests& requests;
+    VideoReport& report;
+    FrameLog* log;
+    kernel::SystemCalls& system;
+  };
+
+  /// Pictures have width x height until the source says otherwise. `font_file`: of the status mark.
+  /// Throws InputError when the font cannot be had.
+  VideoLoop(const Parts& parts, const VideoLoopSettings& settings, const std::string& font_file,
+            int width, int height);
 
   /// Until asked to stop or the clip is over.
   void run(const std::stop_token& stop);
+  /// One turn: one picture, or one word on why there is none. False when the clip is over.
+  bool turn();
 
  private:
+  using Time = kernel::SystemCalls::Time;
+
   void showPicture(const capture::Frame& frame);
   void showFault(capture::SourceStatus status);
-  void takeRequests();
-  void present(std::span<std::uint8_t> picture, int width, int height);
+  void resize(int width, int height);
+  const OverlayLayer* usableLayer(const capture::Frame& frame) const;
+  void compose(const capture::Frame& frame, std::span<std::uint8_t> out, FrameTimes& times);
+  void present(std::span<std::uint8_t> picture);
+  void account(const FrameTimes& times);
 
-  capture::FrameSource& source_;
-  Display& display_;
-  ArLink& ar_;
-  VideoRequests& requests_;
-  VideoReport& report_;
-  overlay::Compositor compositor_;
-  std::vector<std::uint8_t> picture_, gray_;
-  int width_, height_;       // [px] of the last picture: fault pictures have its size
-  std::int64_t shown_ = -1;  // last picture's time in nominal frame times
-  Histogram composite_ms_;
+  Parts parts_;
+  VideoLoopSettings settings_;
+  overlay::StatusPainter painter_;
+  std::vector<std::uint8_t> picture_;  // the last one, R G B A, without overlay
+  std::vector<std::uint8_t> gray_;
+  int width_ = 0, height_ = 0;  // [px] of the last picture: fault pictures have its size
+  std::int64_t shown_ = -1;     // last picture's time in nominal frame times
+  std::optional<Time> last_picture_;
+  const OverlayLayer* layer_ = nullptr;  // the newest, if any
+  std::uint64_t requests_ = 0;
+  FrameClock clock_;
 };
 
 }  // namespace depthscope::platform

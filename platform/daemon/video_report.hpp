@@ -2,11 +2,15 @@
 #include <atomic>
 #include <cstdint>
 
+#include "platform/daemon/frame_clock.hpp"
+#include "platform/ipc/seqlock.hpp"
+
 namespace depthscope::platform {
 
 /// What the video loop tells the rest of the daemon, word by word, without a lock.
 struct VideoReport {
-  std::atomic<std::uint64_t> loops{0};   // turns of the loop: its heartbeat
+  std::atomic<std::uint64_t> presented{0};  // pictures and fault pictures given to the display:
+                                            // what the watchdog lives on
   std::atomic<std::uint64_t> frames{0};  // pictures shown
   std::atomic<std::uint64_t> skipped{
       0};  // pictures that the source gave up because newer ones were there
@@ -19,8 +23,11 @@ struct VideoReport {
   std::atomic<std::uint64_t> tracked{0};        // pictures shown with a fresh pose
   std::atomic<std::uint8_t> source_status{0};   // capture::SourceStatus
   std::atomic<std::uint8_t> overlay_status{0};  // overlay::Status
-  std::atomic<double> composite_p50_ms{0}, composite_p99_ms{0};
-  std::atomic<bool> ended{false};  // the clip is over
+  std::atomic<std::uint64_t> stale{0};          // old pictures shown again, marked as such
+  std::atomic<std::uint64_t> late_overlays{
+      0};                               // pictures shown with an overlay drawn for one before
+  SeqlockBox<FrameClockSummary> times;  // brought up to date every second or so
+  std::atomic<bool> ended{false};       // the clip is over
 };
 
 }  // namespace depthscope::platform

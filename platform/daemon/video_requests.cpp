@@ -19,6 +19,7 @@ std::optional<overlay::OverlaySettings> VideoRequests::takeOverlay() {
 
 std::optional<VideoRequests::Snapshot> VideoRequests::snapshot() {
   std::unique_lock lock(mutex_);
+  snapshot_.pixels.reserve(picture_bytes_.load(std::memory_order_relaxed));
   wanted_ = true;
   const bool came = answered_.wait_for(lock, std::chrono::seconds(1), [this] { return ready_; });
   wanted_ = ready_ = false;
@@ -29,6 +30,10 @@ std::optional<VideoRequests::Snapshot> VideoRequests::snapshot() {
 void VideoRequests::offerPicture(const RgbaView& picture) {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock() || !wanted_ || ready_) return;
+  // The size changed just now: the one who asks makes room and asks again.
+  const auto bytes =
+      static_cast<std::size_t>(picture.stride) * static_cast<std::size_t>(picture.height);
+  if (bytes > snapshot_.pixels.capacity()) return;
   snapshot_.width = picture.width;
   snapshot_.height = picture.height;
   snapshot_.pixels.assign(picture.data, picture.data + picture.stride * picture.height);

@@ -1,5 +1,7 @@
 #pragma once
+#include <atomic>
 #include <condition_variable>
+#include <cstddef>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -9,8 +11,8 @@
 
 namespace depthscope::platform {
 
-/// What the control socket asks of the video loop. The video loop only ever tries the lock: a
-/// request that it misses is served with the next picture.
+/// What the control socket asks of the video loop and of the overlay. These only ever try the lock:
+/// a request that they miss is served with the next picture.
 class VideoRequests {
  public:
   /// A picture as it was shown.
@@ -24,15 +26,22 @@ class VideoRequests {
   /// Waits for the next picture, for a second at most.
   std::optional<Snapshot> snapshot();
 
-  // From the video loop.
+  // From the thread that draws the overlay.
   std::optional<overlay::OverlaySettings> takeOverlay();
-  /// Copies the picture if one is asked for.
+
+  // From the video loop.
+  /// Room that a snapshot needs from now on.
+  void setPictureBytes(std::size_t bytes) {
+    picture_bytes_.store(bytes, std::memory_order_relaxed);
+  }
+  /// Copies the picture if one is asked for. Does not allocate.
   void offerPicture(const RgbaView& picture);
 
  private:
   std::mutex mutex_;
   std::condition_variable answered_;
   std::optional<overlay::OverlaySettings> overlay_;
+  std::atomic<std::size_t> picture_bytes_{0};
   bool wanted_ = false, ready_ = false;
   Snapshot snapshot_;
 };

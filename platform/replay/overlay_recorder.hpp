@@ -7,6 +7,7 @@
 #include "overlay/compositor.hpp"
 #include "platform/histogram.hpp"
 #include "platform/video_queue.hpp"
+#include "types/tracking.hpp"
 
 namespace depthscope::platform {
 

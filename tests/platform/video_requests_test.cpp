@@ -22,6 +22,7 @@ TEST(VideoRequests, HandsOverlaySettingsOverOnce) {
 
 TEST(VideoRequests, ASnapshotIsTheNextPictureOffered) {
   VideoRequests requests;
+  requests.setPictureBytes(8);
   std::atomic<bool> done{false};
   std::thread video([&] {
     const std::uint8_t pixels[8] = {1, 2, 3, 4, 5, 6, 7, 8};

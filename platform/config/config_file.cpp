@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "platform/config/setting_table.hpp"
+#include "platform/display/mode_request.hpp"
 #include "platform/text_file.hpp"
 #include "types/error.hpp"
 
@@ -180,6 +181,7 @@ void checkConsistency(const Settings& settings) {
           settings.recon.poisson_max_depth);
   ordered("overlay.gone_confidence", settings.overlay.gone_confidence, "overlay.full_confidence",
           settings.overlay.full_confidence);
+  parseModeRequest(settings.display.mode);
   ordered("daemon.restart_min_s", settings.daemon.restart_min_s, "daemon.restart_max_s",
           settings.daemon.restart_max_s);
 }

@@ -190,8 +190,16 @@ void bindOverlay(Binder& b, overlay::OverlaySettings& s) {
 
 void bindDisplay(Binder& b, DisplaySettings& s) {
   b.section("display");
-  b.choice("kind", s.kind, {"null", "file"}, "where the pictures go");
+  b.choice("kind", s.kind, {"null", "file", "kms"},
+           "where the pictures go: nowhere, into a video file, to a monitor");
   b.text("path", s.path, "video file to write, for kind \"file\"");
+  b.text("device", s.device,
+         "for \"kms\": the card, e.g. /dev/dri/card0; \"auto\": the first with a monitor");
+  b.text("connector", s.connector,
+         "for \"kms\": the card's connector, e.g. HDMI-A-1; \"auto\": the first with a monitor");
+  b.text("mode", s.mode,
+         "for \"kms\": WIDTHxHEIGHT or WIDTHxHEIGHT@HZ; \"auto\": the picture's own size and rate "
+         "where the monitor has it");
 }
 
 void bindDaemon(Binder& b, DaemonSettings& s) {

@@ -12,6 +12,7 @@
 #include "capture/frame_source.hpp"
 #include "overlay/compositor.hpp"
 #include "platform/config/config_file.hpp"
+#include "platform/display/display.hpp"
 #include "platform/ipc/surface_mailbox.hpp"
 #include "platform/ply_writer.hpp"
 #include "platform/png_writer.hpp"
@@ -163,6 +164,10 @@ std::string ControlRequests::status() const {
        std::floor(
            std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count())},
       {"source", toString(static_cast<capture::SourceStatus>(report_.source_status.load()))},
+      {"display", toString(static_cast<DisplayState>(report_.display_state.load()))},
+      {"display_width", report_.display_width.load()},
+      {"display_height", report_.display_height.load()},
+      {"display_refresh_hz", report_.display_refresh_hz.load()},
       {"overlay", overlayStatusName(report_.overlay_status.load())},
       {"frames_shown", report_.frames.load()},
       {"frames_skipped", report_.skipped.load()},

@@ -76,8 +76,8 @@ Daemon::Daemon(const DaemonOptions& options)
       source_(openSource(options)),
       fps_(source_->fps() > 0 ? source_->fps() : 30),
       memory_(SharedMemory::create(capacity(options))),
-      display_(
-          makeDisplay(options.settings.display, options.camera.width, options.camera.height, fps_)),
+      display_(makeDisplay(options.settings.display, kernel::realSystemCalls(),
+                           options.camera.width, options.camera.height, fps_)),
       link_(memory_, frame_event_.get(), options.settings.overlay.max_age_ms),
       ar_(arCommand(options), memory_, frame_event_.get(), options.settings.daemon),
       control_requests_(options.settings, options.camera, memory_, ar_, video_requests_, report_),

@@ -77,6 +77,7 @@ bool VideoLoop::turn() {
     showPicture(result.frame);
   else
     showFault(result.status);
+  reportDisplay();
   report.skipped.store(parts_.source.skipped(), std::memory_order_relaxed);
   report.rejected.store(parts_.ar.rejected(), std::memory_order_relaxed);
   return true;
@@ -181,6 +182,16 @@ void VideoLoop::showFault(SourceStatus status) {
   parts_.report.overlay_status.store(static_cast<std::uint8_t>(overlay::Status::NoSignal),
                                      std::memory_order_relaxed);
   parts_.report.faults.fetch_add(1, std::memory_order_relaxed);
+}
+
+void VideoLoop::reportDisplay() {
+  const DisplayMode mode = parts_.display.mode();
+  VideoReport& report = parts_.report;
+  report.display_state.store(static_cast<std::uint8_t>(parts_.display.state()),
+                             std::memory_order_relaxed);
+  report.display_width.store(mode.width, std::memory_order_relaxed);
+  report.display_height.store(mode.height, std::memory_order_relaxed);
+  report.display_refresh_hz.store(mode.refresh_hz, std::memory_order_relaxed);
 }
 
 void VideoLoop::present(std::span<std::uint8_t> picture) {

@@ -58,6 +58,7 @@ class VideoLoop {
   void compose(const capture::Frame& frame, std::span<std::uint8_t> out, FrameTimes& times);
   void present(std::span<std::uint8_t> picture);
   void account(const FrameTimes& times);
+  void reportDisplay();
 
   Parts parts_;
   VideoLoopSettings settings_;

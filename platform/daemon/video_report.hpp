@@ -11,7 +11,7 @@ namespace depthscope::platform {
 struct VideoReport {
   std::atomic<std::uint64_t> presented{0};  // pictures and fault pictures given to the display:
                                             // what the watchdog lives on
-  std::atomic<std::uint64_t> frames{0};  // pictures shown
+  std::atomic<std::uint64_t> frames{0};     // pictures shown
   std::atomic<std::uint64_t> skipped{
       0};  // pictures that the source gave up because newer ones were there
   std::atomic<std::uint64_t> given_up{0};  // pictures that the display did not take
@@ -20,10 +20,13 @@ struct VideoReport {
       0};  // things from the AR process that did not pass the checks
   std::atomic<std::uint64_t> overlay_failures{
       0};  // pictures shown without overlay: the graphics driver failed
-  std::atomic<std::uint64_t> tracked{0};        // pictures shown with a fresh pose
-  std::atomic<std::uint8_t> source_status{0};   // capture::SourceStatus
-  std::atomic<std::uint8_t> overlay_status{0};  // overlay::Status
-  std::atomic<std::uint64_t> stale{0};          // old pictures shown again, marked as such
+  std::atomic<std::uint64_t> tracked{0};                 // pictures shown with a fresh pose
+  std::atomic<std::uint8_t> source_status{0};            // capture::SourceStatus
+  std::atomic<std::uint8_t> overlay_status{0};           // overlay::Status
+  std::atomic<std::uint8_t> display_state{0};            // DisplayState
+  std::atomic<int> display_width{0}, display_height{0};  // [px] of the monitor's mode
+  std::atomic<double> display_refresh_hz{0};
+  std::atomic<std::uint64_t> stale{0};  // old pictures shown again, marked as such
   std::atomic<std::uint64_t> late_overlays{
       0};                               // pictures shown with an overlay drawn for one before
   SeqlockBox<FrameClockSummary> times;  // brought up to date every second or so

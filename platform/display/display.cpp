@@ -1,17 +1,46 @@
 #include "platform/display/display.hpp"
 
 #include "platform/display/file_display.hpp"
+#include "platform/display/kms/kms_display.hpp"
 #include "platform/display/null_display.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::platform {
 
-std::unique_ptr<Display> makeDisplay(const DisplaySettings& settings, int width, int height,
-                                     double fps) {
-  if (settings.kind == DisplayKind::Null) return std::make_unique<NullDisplay>();
-  if (settings.path.empty())
-    throw InputError("display.path: is empty, expected a video file for display.kind = \"file\"");
-  return std::make_unique<FileDisplay>(settings.path, width, height, fps);
+std::string_view toString(DisplayState state) {
+  switch (state) {
+    case DisplayState::Ok:
+      return "ok";
+    case DisplayState::Starting:
+      return "starting";
+    case DisplayState::NoDevice:
+      return "no device";
+    case DisplayState::NoMonitor:
+      return "no monitor";
+    case DisplayState::PermissionDenied:
+      return "permission denied";
+    case DisplayState::Unsupported:
+      return "unsupported";
+    case DisplayState::Failing:
+      return "failing";
+  }
+  return "unknown";
+}
+
+std::unique_ptr<Display> makeDisplay(const DisplaySettings& settings, kernel::SystemCalls& calls,
+                                     int width, int height, double fps) {
+  switch (settings.kind) {
+    case DisplayKind::Null:
+      break;
+    case DisplayKind::File:
+      if (settings.path.empty())
+        throw InputError(
+            "display.path: is empty, expected a video file for display.kind = \"file\"");
+      return std::make_unique<FileDisplay>(settings.path, width, height, fps);
+    case DisplayKind::Kms:
+      return std::make_unique<kms::KmsDisplay>(settings, calls, fps);
+  }
+  return std::make_unique<NullDisplay>();
 }
 
 }  // namespace depthscope::platform

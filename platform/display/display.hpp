@@ -1,28 +1,66 @@
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string_view>
 
+#include "kernel/system_calls.hpp"
 #include "platform/config/settings.hpp"
 
 namespace depthscope::platform {
 
-/// Where finished pictures go: a monitor, a file, nowhere. Used from one thread.
+/// Whether pictures get out, and if not, why.
+enum class DisplayState : std::uint8_t {
+  Ok,
+  Starting,          // nothing was shown yet
+  NoDevice,          // there is no such card or framebuffer
+  NoMonitor,         // the card has no connected monitor
+  PermissionDenied,  // the device may not be opened, or another program holds it
+  Unsupported,       // the device lacks what is needed
+  Failing,           // the device answers with errors
+};
+
+/// Short English name of a state, for the status and the log, e.g. "no monitor".
+std::string_view toString(DisplayState state);
+
+/// What the monitor runs at; zeros where nothing is known.
+struct DisplayMode {
+  int width = 0, height = 0;  // [px]
+  double refresh_hz = 0;
+};
+
+/// A picture that reached the monitor.
+struct ShownPicture {
+  using Time = std::chrono::steady_clock::time_point;
+  std::int64_t index = 0;  // as given to present()
+  Time submitted{};        // handed to the driver
+  Time shown{};            // the vblank from which on it was scanned out
+};
+
+/// Where finished pictures go: a monitor, a file, nowhere. Used from one thread. No fault of a
+/// display is an exception: the state says what is wrong, and the display goes on trying by itself
+/// each time it is used.
 class Display {
  public:
   virtual ~Display() = default;
-  /// A buffer of height * width * 4 bytes (R G B A) for the next picture; empty when it cannot be
-  /// shown (the display is busy, or does not do this size) and is to be given up.
+  /// A buffer of height * width * 4 bytes (R G B A) for the next picture, in ordinary memory; empty
+  /// when it cannot be shown now (no monitor, a fault, not this size) and is to be given up.
   virtual std::span<std::uint8_t> acquire(int width, int height) = 0;
   /// Shows the picture in the buffer last acquired; `index` grows with time, one each nominal frame
-  /// time. Does not throw: a display that fails says so in failed().
+  /// time. When an earlier picture still waits for its turn, the newer one takes its place.
   virtual void present(std::int64_t index) = 0;
-  /// Whether pictures no longer get out.
-  virtual bool failed() const = 0;
+  virtual DisplayState state() const = 0;
+  virtual DisplayMode mode() const { return {}; }
+  /// The next picture that is known to have been shown, oldest first; none where the display does
+  /// not know. Those that nobody takes are forgotten.
+  virtual std::optional<ShownPicture> takeShown() { return std::nullopt; }
 };
 
-/// The display that the settings ask for. Throws InputError when it cannot be had.
-std::unique_ptr<Display> makeDisplay(const DisplaySettings& settings, int width, int height,
-                                     double fps);
+/// The display that the settings ask for. `calls` outlives it. Throws InputError when a setting
+/// makes no sense or the video file cannot be made; a device that is missing is no error here.
+std::unique_ptr<Display> makeDisplay(const DisplaySettings& settings, kernel::SystemCalls& calls,
+                                     int width, int height, double fps);
 
 }  // namespace depthscope::platform

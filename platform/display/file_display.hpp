@@ -15,7 +15,7 @@ class FileDisplay : public Display {
   ~FileDisplay() override;
   std::span<std::uint8_t> acquire(int width, int height) override;
   void present(std::int64_t index) override;
-  bool failed() const override { return failed_; }
+  DisplayState state() const override { return failed_ ? DisplayState::Failing : DisplayState::Ok; }
 
  private:
   int width_, height_;

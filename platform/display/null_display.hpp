@@ -14,7 +14,7 @@ class NullDisplay : public Display {
     return std::span(buffer_).first(bytes);
   }
   void present(std::int64_t) override {}
-  bool failed() const override { return false; }
+  DisplayState state() const override { return DisplayState::Ok; }
 
  private:
   std::vector<std::uint8_t> buffer_;

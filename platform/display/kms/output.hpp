@@ -1,0 +1,65 @@
+#pragma once
+#include <array>
+#include <optional>
+
+#include "platform/display/display.hpp"
+#include "platform/display/kms/dumb_buffer.hpp"
+#include "platform/display/kms/mode_choice.hpp"
+#include "platform/display/kms/pipeline.hpp"
+#include "platform/display/picture_copy.hpp"
+
+namespace depthscope::platform::kms {
+
+/// A mode as a blob of the card.
+class ModeBlob {
+ public:
+  ModeBlob() = default;
+  static int create(Card& card, const drm_mode_modeinfo& mode, ModeBlob& blob);
+  ModeBlob(ModeBlob&& other) noexcept { *this = std::move(other); }
+  ModeBlob& operator=(ModeBlob&& other) noexcept;
+  ~ModeBlob();
+  std::uint32_t id() const { return id_; }
+
+ private:
+  Card* card_ = nullptr;
+  std::uint32_t id_ = 0;
+};
+
+/// One monitor in one mode, with the buffers that are shown on it in turn: one on screen, one that
+/// waits for its vblank, one to write into.
+class Output {
+ public:
+  static constexpr int buffer_count = 3;
+
+  /// Makes the buffers in the first pixel format that the plane takes unchanged from us and proves
+  /// the whole by a TEST_ONLY commit. 0 or -errno. The card outlives the output at its place.
+  static int create(Card& card, const Pipeline& pipeline, const drm_mode_modeinfo& mode,
+                    std::unique_ptr<Output>& output);
+
+  const Connector& connector() const { return pipeline_.connector; }
+  const drm_mode_modeinfo& modeInfo() const { return mode_; }
+  DisplayMode mode() const;
+
+  /// Writes a picture into a buffer; what the picture does not cover is black.
+  void draw(int buffer, const RgbaView& picture, PictureCopier& copier);
+  /// Has a buffer shown from the next vblank on, without waiting; an event with `serial` follows.
+  /// `modeset`: lights the monitor in the mode too. 0 or -errno.
+  int flip(int buffer, bool modeset, std::uint64_t serial) const;
+
+ private:
+  int createBuffers(std::uint32_t fourcc);
+  int commit(int buffer, bool modeset, std::uint32_t flags, std::uint64_t serial) const;
+
+  struct Buffer {
+    DumbBuffer memory;
+    Placement drawn;  // what of it is not black
+  };
+  Card* card_ = nullptr;
+  Pipeline pipeline_;
+  drm_mode_modeinfo mode_{};
+  ModeBlob blob_;
+  PixelLayout layout_ = PixelLayout::Bgrx32;
+  std::array<Buffer, buffer_count> buffers_;
+};
+
+}  // namespace depthscope::platform::kms

@@ -147,10 +147,12 @@ bool Daemon::handleSignals() {
 }
 
 /// Tells systemd that the service is up once a picture went out, and that all is well as long as
-/// pictures, or pictures that say what is wrong, go out.
+/// pictures, or pictures that say what is wrong, go out. A display that says what is wrong with it
+/// (no monitor, say) is tried again by the loop itself: a restart would be no faster.
 void Daemon::feedWatchdog() {
   const auto now = std::chrono::steady_clock::now();
-  const std::uint64_t presented = report_.presented.load(std::memory_order_acquire);
+  const std::uint64_t presented = report_.presented.load(std::memory_order_acquire) +
+                                  report_.display_faults.load(std::memory_order_acquire);
   if (presented == presented_seen_) return;
   if (presented_seen_ == 0)
     ::sd_notify(0, "READY=1");

@@ -187,8 +187,10 @@ void VideoLoop::showFault(SourceStatus status) {
 void VideoLoop::reportDisplay() {
   const DisplayMode mode = parts_.display.mode();
   VideoReport& report = parts_.report;
-  report.display_state.store(static_cast<std::uint8_t>(parts_.display.state()),
-                             std::memory_order_relaxed);
+  const DisplayState state = parts_.display.state();
+  report.display_state.store(static_cast<std::uint8_t>(state), std::memory_order_relaxed);
+  if (state != DisplayState::Ok && state != DisplayState::Starting)
+    report.display_faults.fetch_add(1, std::memory_order_release);
   report.display_width.store(mode.width, std::memory_order_relaxed);
   report.display_height.store(mode.height, std::memory_order_relaxed);
   report.display_refresh_hz.store(mode.refresh_hz, std::memory_order_relaxed);

@@ -11,7 +11,9 @@ namespace depthscope::platform {
 struct VideoReport {
   std::atomic<std::uint64_t> presented{0};  // pictures and fault pictures given to the display:
                                             // what the watchdog lives on
-  std::atomic<std::uint64_t> frames{0};     // pictures shown
+  std::atomic<std::uint64_t> display_faults{
+      0};  // turns in which the display said why it shows nothing: a restart would not help it
+  std::atomic<std::uint64_t> frames{0};  // pictures shown
   std::atomic<std::uint64_t> skipped{
       0};  // pictures that the source gave up because newer ones were there
   std::atomic<std::uint64_t> given_up{0};  // pictures that the display did not take

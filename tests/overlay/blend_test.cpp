@@ -16,6 +16,9 @@ TEST(Blend, KeepsThePictureWhereTheLayerIsTransparent) {
       picture[i] = static_cast<std::uint8_t>(i * 37 + 11);
     blendRow(layer.data(), picture.data(), out.data(), n);
     EXPECT_EQ(out, picture) << n;
+    for (std::size_t i = 0; i < layer.size(); ++i) layer[i] = i % 4 == 3 ? 0 : 1;
+    blendRow(layer.data(), picture.data(), out.data(), n);
+    EXPECT_EQ(out, picture) << "colour without alpha is not part of the layer";
   }
 }
 

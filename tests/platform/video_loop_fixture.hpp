@@ -1,0 +1,217 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "capture/pixel_convert.hpp"
+#include "platform/daemon/layer_painter.hpp"
+#include "platform/daemon/video_loop.hpp"
+#include "platform/ipc/surface_mailbox.hpp"
+#include "tests/fake_kernel/fake_kernel.hpp"
+
+namespace depthscope::platform {
+
+using std::chrono::milliseconds;
+using Time = kernel::SystemCalls::Time;
+
+inline CameraModel smallCamera() {
+  CameraModel c;
+  c.width = 160;
+  c.height = 120;
+  c.fx = c.fy = 130;
+  c.cx = 79.5;
+  c.cy = 59.5;
+  c.fps = 30;
+  return c;
+}
+
+/// Hands out what the test put in, each entry at its time; nothing else to come: Timeout.
+class ScriptedSource final : public capture::FrameSource {
+ public:
+  explicit ScriptedSource(fake::FakeKernel& system) : system_(system) {
+    const CameraModel c = smallCamera();
+    format_.width = c.width;
+    format_.height = c.height;
+    pool_ = capture::FramePool::create(format_, 4);
+  }
+
+  /// A picture at `at`, whose luma is a pattern of `sequence`, or a status.
+  void add(Time at, capture::SourceStatus status = capture::SourceStatus::Ok,
+           bool damaged = false) {
+    script_.push_back({at, status, damaged, sequence_++});
+  }
+  void resize(int width, int height) {
+    format_.width = width;
+    format_.height = height;
+    pool_ = capture::FramePool::create(format_, 4);
+  }
+
+  capture::ReadResult read(std::chrono::nanoseconds timeout) override {
+    const Time limit = system_.now() + timeout;
+    if (script_.empty() || script_.front().at > limit) {
+      system_.advance(timeout);
+      return {};
+    }
+    const Entry entry = script_.front();
+    script_.pop_front();
+    if (entry.at > system_.now()) system_.advance(entry.at - system_.now());
+    if (entry.status != capture::SourceStatus::Ok) return {entry.status, {}, false};
+    return {capture::SourceStatus::Ok, picture(entry), false};
+  }
+  capture::FrameFormat format() const override { return format_; }
+  double fps() const override { return 30; }
+  std::uint64_t skipped() const override { return 0; }
+
+ private:
+  struct Entry {
+    Time at;
+    capture::SourceStatus status;
+    bool damaged;
+    std::uint64_t sequence;
+  };
+  capture::Frame picture(const Entry& entry) {
+    capture::Frame frame = pool_->acquire();
+    for (int p = 0; p < 3; ++p) {
+      const capture::PlaneSize size = capture::planeSize(format_, p);
+      for (int y = 0; y < size.rows; ++y)
+        for (int x = 0; x < size.row_bytes; ++x)
+          frame.planes[static_cast<std::size_t>(p)]
+              .data[y * frame.planes[static_cast<std::size_t>(p)].stride + x] =
+              static_cast<std::uint8_t>(
+                  30 + (x * 7 + y * 13 + p * 50 + static_cast<int>(entry.sequence) * 3) % 190);
+    }
+    frame.sequence = entry.sequence;
+    frame.capture_time = entry.at;
+    frame.damaged = entry.damaged;
+    return frame;
+  }
+
+  fake::FakeKernel& system_;
+  capture::FrameFormat format_;
+  std::shared_ptr<capture::FramePool> pool_;
+  std::deque<Entry> script_;
+  std::uint64_t sequence_ = 0;
+};
+
+/// Remembers what was shown, and when.
+class RecordingDisplay final : public Display {
+ public:
+  struct Shown {
+    Time at;
+    std::int64_t index = 0;
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> pixels;
+  };
+  explicit RecordingDisplay(fake::FakeKernel& system) : system_(system) {}
+  std::span<std::uint8_t> acquire(int width, int height) override {
+    buffer_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4);
+    width_ = width;
+    height_ = height;
+    if (busy) return {};
+    return buffer_;
+  }
+  void present(std::int64_t index) override {
+    system_.advance(milliseconds(2));
+    if (keep) shown.push_back({system_.now(), index, width_, height_, buffer_});
+  }
+  bool failed() const override { return false; }
+
+  bool busy = false, keep = true;
+  std::vector<Shown> shown;
+
+ private:
+  fake::FakeKernel& system_;
+  int width_ = 0, height_ = 0;
+  std::vector<std::uint8_t> buffer_;
+};
+
+/// Draws overlays in the loop's own thread, for they are then there at once and always the same.
+/// Can act a driver that hangs.
+class DirectLayers final : public LayerSource {
+ public:
+  explicit DirectLayers(LayerPainter& painter) : painter_(painter) {}
+  void request(const LayerRequest& request) override { request_ = request; }
+  const OverlayLayer* newest(Time) override {
+    if (!hung && layer_.number != request_.number) painter_.draw(request_, layer_);
+    return layer_.number > 0 ? &layer_ : nullptr;
+  }
+  bool hung = false;
+
+ private:
+  LayerPainter& painter_;
+  LayerRequest request_;
+  OverlayLayer layer_;
+};
+
+/// A video loop on a simulated clock, with a real compositor; the test plays source and AR process.
+class VideoLoopFixture : public testing::Test {
+ protected:
+  explicit VideoLoopFixture(const overlay::OverlaySettings& settings = {})
+      : painter(camera, settings, link, requests) {}
+
+  void SetUp() override { makeLoop(); }
+  void makeLoop() {
+    loop = std::make_unique<VideoLoop>(
+        VideoLoop::Parts{source, display, layers, link, requests, report, nullptr, system},
+        VideoLoopSettings{}, "", camera.width, camera.height);
+  }
+
+  /// A surface 50 mm before the camera, over the middle of the picture.
+  void sendSurface() {
+    SurfaceMesh mesh;
+    constexpr int n = 12;
+    for (int r = 0; r <= n; ++r)
+      for (int c = 0; c <= n; ++c) {
+        mesh.vertices.push_back({-15 + 30.0f * static_cast<float>(c) / n,
+                                 -8 + 20.0f * static_cast<float>(r) / n,
+                                 50 + static_cast<float>(c)});
+        mesh.normals.push_back({0, 0, -1});
+        mesh.confidence.push_back(1);
+      }
+    for (std::uint32_t r = 0; r < n; ++r)
+      for (std::uint32_t c = 0; c < n; ++c) {
+        const std::uint32_t a = r * (n + 1) + c, b = a + n + 1;
+        mesh.triangles.push_back({a, b, a + 1});
+        mesh.triangles.push_back({a + 1, b, b + 1});
+      }
+    mesh.version = ++surface_version;
+    SurfaceMailboxWriter writer(memory);
+    ASSERT_TRUE(writer.publish(mesh));
+  }
+  void sendPose(std::int64_t frame, TrackingState state = TrackingState::Tracking) {
+    PoseEstimate pose;
+    pose.frame = frame;
+    pose.state = state;
+    pose.confidence = 1;
+    memory.block().pose.write(encodePose(pose));
+  }
+  /// One picture through the loop, tracked at once if asked.
+  void showPicture(bool tracked) {
+    next += milliseconds(33);
+    source.add(next);
+    if (tracked) sendPose(sequence - 1);
+    ++sequence;
+    ASSERT_TRUE(loop->turn());
+  }
+  const RecordingDisplay::Shown& last() const { return display.shown.back(); }
+
+  const CameraModel camera = smallCamera();
+  fake::FakeKernel system;
+  ScriptedSource source{system};
+  RecordingDisplay display{system};
+  SharedMemory memory = SharedMemory::create({160, 120, 1000, 2000});
+  ArLink link{memory, -1, 120};
+  VideoRequests requests;
+  VideoReport report;
+  LayerPainter painter;
+  DirectLayers layers{painter};
+  std::unique_ptr<VideoLoop> loop;
+  Time next = system.now();
+  std::int64_t sequence = 0;
+  std::uint32_t surface_version = 0;
+};
+
+}  // namespace depthscope::platform

@@ -111,8 +111,20 @@ void VideoLoop::showPicture(const capture::Frame& frame) {
   times.composited = parts_.system.now();
   present(out);
   times.submitted = parts_.system.now();
+  submitted_[static_cast<std::size_t>(shown_) % submitted_.size()] = {shown_, times.captured};
   parts_.report.frames.fetch_add(1, std::memory_order_relaxed);
+  takeShown();
   account(times);
+}
+
+/// What the display has learnt meanwhile about when earlier pictures were on the glass.
+void VideoLoop::takeShown() {
+  while (const auto shown = parts_.display.takeShown()) {
+    if (shown->index < 0) continue;
+    const Submitted& picture =
+        submitted_[static_cast<std::size_t>(shown->index) % submitted_.size()];
+    if (picture.index == shown->index) clock_.addShown(picture.captured, shown->shown);
+  }
 }
 
 /// The newest overlay, if it fits the picture and its pose is not too old for it.

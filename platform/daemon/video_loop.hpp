@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -50,6 +52,10 @@ class VideoLoop {
 
  private:
   using Time = kernel::SystemCalls::Time;
+  struct Submitted {
+    std::int64_t index = -1;
+    Time captured{};
+  };
 
   void showPicture(const capture::Frame& frame);
   void showFault(capture::SourceStatus status);
@@ -58,6 +64,7 @@ class VideoLoop {
   void compose(const capture::Frame& frame, std::span<std::uint8_t> out, FrameTimes& times);
   void present(std::span<std::uint8_t> picture);
   void account(const FrameTimes& times);
+  void takeShown();
   void reportDisplay();
 
   Parts parts_;
@@ -65,8 +72,9 @@ class VideoLoop {
   overlay::StatusPainter painter_;
   std::vector<std::uint8_t> picture_;  // the last one, R G B A, without overlay
   std::vector<std::uint8_t> gray_;
-  int width_ = 0, height_ = 0;  // [px] of the last picture: fault pictures have its size
-  std::int64_t shown_ = -1;     // last picture's time in nominal frame times
+  int width_ = 0, height_ = 0;             // [px] of the last picture: fault pictures have its size
+  std::int64_t shown_ = -1;                // last picture's time in nominal frame times
+  std::array<Submitted, 16> submitted_{};  // the last pictures, by index
   std::optional<Time> last_picture_;
   const OverlayLayer* layer_ = nullptr;  // the newest, if any
   std::uint64_t requests_ = 0;

@@ -117,13 +117,19 @@ class RecordingDisplay final : public Display {
     system_.advance(milliseconds(2));
     if (keep) shown.push_back({system_.now(), index, width_, height_, buffer_});
   }
-  bool failed() const override { return false; }
+  DisplayState state() const override { return DisplayState::Ok; }
+  std::optional<ShownPicture> takeShown() override {
+    if (shown.size() <= told_) return std::nullopt;
+    const Shown& next = shown[told_++];
+    return ShownPicture{next.index, next.at, next.at + milliseconds(10)};
+  }
 
   bool busy = false, keep = true;
   std::vector<Shown> shown;
 
  private:
   fake::FakeKernel& system_;
+  std::size_t told_ = 0;
   int width_ = 0, height_ = 0;
   std::vector<std::uint8_t> buffer_;
 };

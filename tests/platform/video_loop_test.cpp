@@ -191,6 +191,8 @@ TEST_F(VideoLoopTest, TheStagesOfEachPictureAddUpToItsDelay) {
   EXPECT_NEAR(times.video_delay.p50, 2, 0.05) << "the time that the display took";
   EXPECT_NEAR(times.submit.p50, 2, 0.05);
   EXPECT_EQ(times.dequeue.max, 0);
+  EXPECT_EQ(times.shown_delay.count, 61u) << "as the display told";
+  EXPECT_NEAR(times.shown_delay.p50, 12, 0.2);
   EXPECT_EQ(times.overlay_age.count, 0u);
 }
 

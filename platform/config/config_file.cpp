@@ -7,6 +7,7 @@
 
 #include "platform/config/setting_table.hpp"
 #include "platform/display/mode_request.hpp"
+#include "platform/footswitch/line_offset.hpp"
 #include "platform/text_file.hpp"
 #include "types/error.hpp"
 
@@ -182,6 +183,13 @@ void checkConsistency(const Settings& settings) {
   ordered("overlay.gone_confidence", settings.overlay.gone_confidence, "overlay.full_confidence",
           settings.overlay.full_confidence);
   parseModeRequest(settings.display.mode);
+  if (settings.footswitch.line.empty() && !settings.footswitch.chip.empty())
+    throw InputError(
+        "footswitch.chip: is set without footswitch.line, expected a line's name or offset");
+  if (settings.footswitch.chip.empty() && lineOffset(settings.footswitch.line))
+    throw InputError(
+        "footswitch.line = \"" + settings.footswitch.line +
+        "\": an offset needs footswitch.chip, expected the chip's path, name or label");
   ordered("daemon.restart_min_s", settings.daemon.restart_min_s, "daemon.restart_max_s",
           settings.daemon.restart_max_s);
 }

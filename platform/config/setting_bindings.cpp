@@ -202,6 +202,24 @@ void bindDisplay(Binder& b, DisplaySettings& s) {
          "where the monitor has it");
 }
 
+void bindFootswitch(Binder& b, FootswitchSettings& s) {
+  b.section("footswitch");
+  b.choice("action", s.action, {"reconstruct", "overlay-toggle", "snapshot"},
+           "what a press of the pedal does");
+  b.text("line", s.line,
+         "GPIO line of a pedal, by name or, with a chip, by its offset; empty: none");
+  b.text("chip", s.chip,
+         "GPIO chip by path, name or label; empty: the line is looked for by name on all");
+  b.choice("bias", s.bias, {"as-is", "disabled", "pull-up", "pull-down"},
+           "resistor on the line, where the chip has one");
+  b.flag("active_low", s.active_low, "the pedal pulls the line low");
+  b.number("debounce_ms", s.debounce_ms, 0, 1000,
+           "a level counts once it was steady for so long; by the kernel where it can");
+  b.text("keyboard", s.keyboard,
+         "USB pedal that is a keyboard, by path under /dev/input or name; empty: none");
+  b.number("key", s.key, 0, 767, "its key, by number in linux/input-event-codes.h; 0: any");
+}
+
 void bindDaemon(Binder& b, DaemonSettings& s) {
   b.section("daemon");
   b.text("control_socket", s.control_socket, "where depthscope status and the like connect to");
@@ -236,6 +254,7 @@ std::vector<Setting> settingTable(Settings& settings) {
   bindRecon(binder, settings.recon);
   bindOverlay(binder, settings.overlay);
   bindDisplay(binder, settings.display);
+  bindFootswitch(binder, settings.footswitch);
   bindDaemon(binder, settings.daemon);
   return binder.take();
 }

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "overlay/overlay_settings.hpp"
+#include "platform/footswitch/footswitch_settings.hpp"
 #include "recon/recon_settings.hpp"
 #include "slam/slam_settings.hpp"
 
@@ -54,6 +55,7 @@ struct Settings {
   recon::ReconSettings recon;
   overlay::OverlaySettings overlay;
   DisplaySettings display;
+  FootswitchSettings footswitch;
   DaemonSettings daemon;
 };
 

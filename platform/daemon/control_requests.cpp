@@ -59,13 +59,26 @@ bool writeAll(int fd, std::string_view bytes) {
 
 ControlRequests::ControlRequests(Settings settings, const CameraModel& camera,
                                  const SharedMemory& memory, ArSupervisor& ar, VideoRequests& video,
-                                 const VideoReport& report)
+                                 const VideoReport& report, const Footswitch& footswitch)
     : settings_(std::move(settings)),
       camera_(camera),
       memory_(memory),
       ar_(ar),
       video_(video),
-      report_(report) {}
+      report_(report),
+      footswitch_(footswitch) {}
+
+std::string ControlRequests::footswitchPressed() {
+  switch (settings_.footswitch.action) {
+    case FootswitchAction::Reconstruct:
+      return handle("reconstruct", {});
+    case FootswitchAction::OverlayToggle:
+      return handle("overlay toggle", {});
+    case FootswitchAction::Snapshot:
+      return handle("snapshot", {});
+  }
+  return "error unknown action";
+}
 
 std::string ControlRequests::handle(std::string_view line, UniqueFd attached) {
   const auto space = line.find(' ');
@@ -110,8 +123,13 @@ std::string ControlRequests::labelAt(std::string_view rest) {
 }
 
 std::string ControlRequests::overlay(std::string_view mode) {
+  overlay::CueMode& cue = settings_.overlay.cue;
+  if (cue != overlay::CueMode::Off) shown_cue_ = cue;
   try {
-    applyOverride("overlay.cue=" + std::string(mode), settings_);
+    if (mode == "toggle")
+      cue = cue == overlay::CueMode::Off ? shown_cue_ : overlay::CueMode::Off;
+    else
+      applyOverride("overlay.cue=" + std::string(mode), settings_);
   } catch (const InputError& error) {
     return std::string("error ") + error.what();
   }
@@ -168,6 +186,9 @@ std::string ControlRequests::status() const {
       {"display_width", report_.display_width.load()},
       {"display_height", report_.display_height.load()},
       {"display_refresh_hz", report_.display_refresh_hz.load()},
+      {"footswitch", footswitch_.state()},
+      {"footswitch_presses", footswitch_.presses()},
+      {"footswitch_lost_events", footswitch_.lost()},
       {"overlay", overlayStatusName(report_.overlay_status.load())},
       {"frames_shown", report_.frames.load()},
       {"frames_skipped", report_.skipped.load()},

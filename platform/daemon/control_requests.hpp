@@ -7,6 +7,7 @@
 #include "platform/daemon/ar_supervisor.hpp"
 #include "platform/daemon/video_report.hpp"
 #include "platform/daemon/video_requests.hpp"
+#include "platform/footswitch/footswitch.hpp"
 
 namespace depthscope::platform {
 
@@ -15,10 +16,13 @@ namespace depthscope::platform {
 class ControlRequests {
  public:
   ControlRequests(Settings settings, const CameraModel& camera, const SharedMemory& memory,
-                  ArSupervisor& ar, VideoRequests& video, const VideoReport& report);
+                  ArSupervisor& ar, VideoRequests& video, const VideoReport& report,
+                  const Footswitch& footswitch);
 
   /// "ok", "ok TEXT" or "error WHY".
   std::string handle(std::string_view line, UniqueFd attached);
+  /// Does what the settings have the footswitch do; answers like handle().
+  std::string footswitchPressed();
 
  private:
   std::string status() const;
@@ -35,6 +39,9 @@ class ControlRequests {
   ArSupervisor& ar_;
   VideoRequests& video_;
   const VideoReport& report_;
+  const Footswitch& footswitch_;
+  overlay::CueMode shown_cue_ =
+      overlay::CueMode::Chromadepth;  // what "overlay toggle" goes back to
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
 };
 

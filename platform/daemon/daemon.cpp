@@ -6,6 +6,7 @@
 #include <sys/signalfd.h>
 #include <systemd/sd-daemon.h>
 
+#include <array>
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
@@ -80,7 +81,10 @@ Daemon::Daemon(const DaemonOptions& options)
                            options.camera.width, options.camera.height, fps_)),
       link_(memory_, frame_event_.get(), options.settings.overlay.max_age_ms),
       ar_(arCommand(options), memory_, frame_event_.get(), options.settings.daemon),
-      control_requests_(options.settings, options.camera, memory_, ar_, video_requests_, report_),
+      gpio_(makeGpioChips()),
+      footswitch_(options.settings.footswitch, *gpio_, kernel::realSystemCalls()),
+      control_requests_(options.settings, options.camera, memory_, ar_, video_requests_, report_,
+                        footswitch_),
       control_(options.settings.daemon.control_socket,
                [this](std::string_view line, UniqueFd attached) {
                  return control_requests_.handle(line, std::move(attached));
@@ -123,12 +127,17 @@ std::unique_ptr<VideoLoop> Daemon::makeLoop(LayerSource& layers) {
 
 void Daemon::serviceLoop() {
   for (;;) {
-    pollfd wait[2] = {{signals_.get(), POLLIN, 0}, {control_.fd(), POLLIN, 0}};
-    ::poll(wait, 2, tick_ms);
+    std::array<pollfd, 2 + Footswitch::max_pedals> wait{
+        {{signals_.get(), POLLIN, 0}, {control_.fd(), POLLIN, 0}}};
+    const auto pedals = std::span(wait).subspan(2, footswitch_.pedals());
+    footswitch_.addTo(pedals);
+    ::poll(wait.data(), 2 + pedals.size(),
+           footswitch_.waitAtMost(std::chrono::steady_clock::now(), tick_ms));
     if (wait[0].revents != 0 && !handleSignals()) return;
     if (report_.ended.load(std::memory_order_acquire)) return;
     ar_.tick(std::chrono::steady_clock::now());
     link_.setAlive(ar_.alive());
+    serveFootswitch(pedals);
     if (wait[1].revents != 0) control_.serve();
     if (frame_log_) frame_log_->flush();
     feedWatchdog();
@@ -144,6 +153,13 @@ bool Daemon::handleSignals() {
         "SIGHUP: the configuration is read at start only, restart to change it");
   }
   return true;
+}
+
+void Daemon::serveFootswitch(std::span<const pollfd> descriptors) {
+  if (footswitch_.service(std::chrono::steady_clock::now(), descriptors) == 0) return;
+  const std::string answer = control_requests_.footswitchPressed();
+  log(answer.starts_with("ok") ? LogPriority::Info : LogPriority::Warning, "footswitch pressed",
+      {{"answer", answer}});
 }
 
 /// Tells systemd that the service is up once a picture went out, and that all is well as long as

@@ -11,6 +11,7 @@
 #include "platform/daemon/overlay_thread.hpp"
 #include "platform/daemon/video_thread.hpp"
 #include "platform/display/display.hpp"
+#include "platform/footswitch/footswitch.hpp"
 
 namespace depthscope::platform {
 
@@ -29,6 +30,7 @@ class Daemon {
   void serviceLoop();
   std::unique_ptr<VideoLoop> makeLoop(LayerSource& layers);
   bool handleSignals();
+  void serveFootswitch(std::span<const pollfd> descriptors);
   void feedWatchdog();
   void logEnd() const;
 
@@ -43,6 +45,8 @@ class Daemon {
   VideoReport report_;
   VideoRequests video_requests_;
   std::optional<FrameLog> frame_log_;
+  std::unique_ptr<GpioChips> gpio_;
+  Footswitch footswitch_;
   ControlRequests control_requests_;
   ControlServer control_;
   std::uint64_t watchdog_us_ = 0, presented_seen_ = 0;

@@ -66,10 +66,11 @@ int reconstructCommand(Arguments arguments) {
 }
 
 int overlayCommand(Arguments arguments) {
-  if (helpWanted(arguments, "overlay MODE", "How depth is shown: off, chromadepth or mesh."))
+  if (helpWanted(arguments, "overlay MODE",
+                 "How depth is shown: off, chromadepth or mesh; toggle: off and back."))
     return 0;
   const std::string socket = socketOption(arguments);
-  const std::string mode = arguments.positional("a mode: off, chromadepth or mesh");
+  const std::string mode = arguments.positional("a mode: off, chromadepth, mesh or toggle");
   arguments.finish();
   return printAnswer(controlRequest(socket, "overlay " + oneLine(mode)));
 }

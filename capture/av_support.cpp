@@ -122,8 +122,20 @@ AVPixelFormat avPixelFormat(PixelFormat format) {
       return AV_PIX_FMT_RGBA;
     case PixelFormat::Yuv420p:
       return AV_PIX_FMT_YUV420P;
+    case PixelFormat::Bgrx32:
+      return AV_PIX_FMT_BGR0;
+    case PixelFormat::Yuv422p:
+      return AV_PIX_FMT_YUV422P;
+    case PixelFormat::Yuv444p:
+      return AV_PIX_FMT_YUV444P;
     case PixelFormat::Nv12:
       return AV_PIX_FMT_NV12;
+    case PixelFormat::Nv16:
+      return AV_PIX_FMT_NV16;
+    case PixelFormat::Yuyv:
+      return AV_PIX_FMT_YUYV422;
+    case PixelFormat::Uyvy:
+      return AV_PIX_FMT_UYVY422;
   }
   return AV_PIX_FMT_NONE;
 }

@@ -22,8 +22,11 @@ std::size_t roundUp(std::size_t bytes) {
 int planeCount(PixelFormat format) {
   switch (format) {
     case PixelFormat::Yuv420p:
+    case PixelFormat::Yuv422p:
+    case PixelFormat::Yuv444p:
       return 3;
     case PixelFormat::Nv12:
+    case PixelFormat::Nv16:
       return 2;
     default:
       return 1;
@@ -33,20 +36,28 @@ int planeCount(PixelFormat format) {
 PlaneSize planeSize(const FrameFormat& format, int plane) {
   const int chroma_width = (format.width + 1) / 2;
   const int chroma_height = (format.height + 1) / 2;
+  const PlaneSize luma{format.width, format.height};
   switch (format.pixel_format) {
     case PixelFormat::Gray8:
-      return {format.width, format.height};
+    case PixelFormat::Yuv444p:
+      return luma;
     case PixelFormat::Rgb24:
     case PixelFormat::Bgr24:
       return {format.width * 3, format.height};
     case PixelFormat::Rgba32:
+    case PixelFormat::Bgrx32:
       return {format.width * 4, format.height};
+    case PixelFormat::Yuyv:
+    case PixelFormat::Uyvy:
+      return {chroma_width * 4, format.height};
     case PixelFormat::Yuv420p:
-      return plane == 0 ? PlaneSize{format.width, format.height}
-                        : PlaneSize{chroma_width, chroma_height};
+      return plane == 0 ? luma : PlaneSize{chroma_width, chroma_height};
+    case PixelFormat::Yuv422p:
+      return plane == 0 ? luma : PlaneSize{chroma_width, format.height};
     case PixelFormat::Nv12:
-      return plane == 0 ? PlaneSize{format.width, format.height}
-                        : PlaneSize{chroma_width * 2, chroma_height};
+      return plane == 0 ? luma : PlaneSize{chroma_width * 2, chroma_height};
+    case PixelFormat::Nv16:
+      return plane == 0 ? luma : PlaneSize{chroma_width * 2, format.height};
   }
   return {};
 }
@@ -54,41 +65,53 @@ PlaneSize planeSize(const FrameFormat& format, int plane) {
 Frame::Frame(Frame&& other) noexcept
     : format(other.format),
       planes(std::exchange(other.planes, {})),
+      dma(std::exchange(other.dma, {})),
       sequence(other.sequence),
       capture_time(other.capture_time),
       media_time_s(other.media_time_s),
       damaged(other.damaged),
-      pool_(std::exchange(other.pool_, nullptr)),
+      lender_(std::exchange(other.lender_, nullptr)),
       slot_(std::exchange(other.slot_, -1)) {}
 
 Frame& Frame::operator=(Frame&& other) noexcept {
   if (this == &other) return *this;
-  if (pool_) pool_->release(slot_);
+  if (lender_) lender_->takeBack(slot_);
   format = other.format;
   planes = std::exchange(other.planes, {});
+  dma = std::exchange(other.dma, {});
   sequence = other.sequence;
   capture_time = other.capture_time;
   media_time_s = other.media_time_s;
   damaged = other.damaged;
-  pool_ = std::exchange(other.pool_, nullptr);
+  lender_ = std::exchange(other.lender_, nullptr);
   slot_ = std::exchange(other.slot_, -1);
   return *this;
 }
 
 Frame::~Frame() {
-  if (pool_) pool_->release(slot_);
+  if (lender_) lender_->takeBack(slot_);
 }
 
 GrayView Frame::luma() const {
   switch (format.pixel_format) {
     case PixelFormat::Gray8:
     case PixelFormat::Yuv420p:
+    case PixelFormat::Yuv422p:
+    case PixelFormat::Yuv444p:
     case PixelFormat::Nv12:
+    case PixelFormat::Nv16:
       return empty() ? GrayView{}
                      : GrayView{planes[0].data, format.width, format.height, planes[0].stride};
     default:
       return {};
   }
+}
+
+Frame FrameLender::lend(int slot) {
+  Frame frame;
+  frame.lender_ = shared_from_this();
+  frame.slot_ = slot;
+  return frame;
 }
 
 void FramePool::AlignedDelete::operator()(std::uint8_t* memory) const {
@@ -128,17 +151,16 @@ Frame FramePool::acquire() {
     // Acquire pairs with the release in release(): the last owner's accesses are over.
   } while (!free_slots_.compare_exchange_weak(free, free & (free - 1), std::memory_order_acquire,
                                               std::memory_order_relaxed));
-  Frame frame;
-  frame.pool_ = shared_from_this();
-  frame.slot_ = std::countr_zero(free);
+  const int slot = std::countr_zero(free);
+  Frame frame = lend(slot);
   frame.format = format_;
-  std::uint8_t* buffer = memory_.get() + buffer_bytes_ * static_cast<std::size_t>(frame.slot_);
+  std::uint8_t* buffer = memory_.get() + buffer_bytes_ * static_cast<std::size_t>(slot);
   for (int plane = 0; plane < planeCount(format_.pixel_format); ++plane)
     frame.planes[plane] = {buffer + offsets_[plane], strides_[plane]};
   return frame;
 }
 
-void FramePool::release(int slot) {
+void FramePool::takeBack(int slot) {
   free_slots_.fetch_or(std::uint64_t{1} << slot, std::memory_order_release);
 }
 

@@ -15,12 +15,20 @@ enum class PixelFormat : std::uint8_t {
   Rgb24,    // 1 plane, R G B
   Bgr24,    // 1 plane, B G R
   Rgba32,   // 1 plane, R G B A
+  Bgrx32,   // 1 plane, B G R and a byte without meaning (V4L2 XR24)
   Yuv420p,  // 3 planes Y, U, V; chroma halved both ways (V4L2 YU12)
+  Yuv422p,  // 3 planes; chroma halved across
+  Yuv444p,  // 3 planes of one size
   Nv12,     // 2 planes Y, UV interleaved; chroma halved both ways
+  Nv16,     // 2 planes Y, UV interleaved; chroma halved across
+  Yuyv,     // 1 plane, Y U Y V for two pixels
+  Uyvy,     // 1 plane, U Y V Y for two pixels
 };
+inline constexpr int kPixelFormats = 13;
 
-/// How YUV maps to RGB. For RGB formats both are ignored; Gray8 is luma, so its range counts.
-enum class YuvMatrix : std::uint8_t { Bt601, Bt709 };
+/// How YUV maps to RGB; no matter for RGB formats.
+enum class YuvMatrix : std::uint8_t { Bt601, Bt709, Bt2020 };
+/// Limited: black is 16 and white 235, in RGB too, as HDMI carries television modes.
 enum class YuvRange : std::uint8_t { Limited, Full };
 
 struct Plane {
@@ -48,9 +56,16 @@ struct PlaneSize {
 };
 PlaneSize planeSize(const FrameFormat& format, int plane);
 
-class FramePool;
+/// The same pixels as a DMABUF, for hardware that reads them by itself. Borrowed: good for as long
+/// as the Frame lives.
+struct DmaPlane {
+  int fd = -1;               // none: -1
+  std::uint32_t offset = 0;  // [bytes] of the plane within the DMABUF; its stride is the Plane's
+};
 
-/// One picture in a buffer borrowed from a FramePool; the buffer goes back when the Frame is
+class FrameLender;
+
+/// One picture in a buffer borrowed from a FrameLender; the buffer goes back when the Frame is
 /// destroyed. Move-only: exactly one owner at a time.
 class Frame {
  public:
@@ -59,27 +74,45 @@ class Frame {
   Frame& operator=(Frame&&) noexcept;
   ~Frame();
 
-  bool empty() const { return pool_ == nullptr; }
-  /// The luma plane, without a copy, where the format has one (Gray8, Yuv420p, Nv12); else empty.
+  bool empty() const { return lender_ == nullptr; }
+  /// The luma plane, without a copy, where the format has one (Gray8, planar and
+  /// semi-planar YUV); else empty.
   GrayView luma() const;
 
   FrameFormat format;
   std::array<Plane, 3> planes{};
+  std::array<DmaPlane, 3> dma{};
   std::uint64_t sequence = 0;  // the source's own count; a gap means frames were skipped
   std::chrono::steady_clock::time_point capture_time;  // monotonic, when the picture was captured
   double media_time_s = 0;  // position in the clip: sequence / fps; live sources: capture time
   bool damaged = false;     // the source flagged the picture as damaged
 
  private:
-  friend class FramePool;
-  std::shared_ptr<FramePool> pool_;
+  friend class FrameLender;
+  std::shared_ptr<FrameLender> lender_;
   int slot_ = -1;
+};
+
+/// Owns buffers and lends them out as Frames. Held by shared_ptr because a Frame may outlive the
+/// source that filled it.
+class FrameLender : public std::enable_shared_from_this<FrameLender> {
+ public:
+  virtual ~FrameLender() = default;
+
+ protected:
+  /// A Frame without content that brings `slot` back when it is destroyed.
+  Frame lend(int slot);
+
+ private:
+  friend class Frame;
+  /// From any thread; neither waits nor allocates nor throws.
+  virtual void takeBack(int slot) = 0;
 };
 
 /// A fixed number of equal buffers, all allocated at construction (64-byte aligned rows).
 /// Thread-safe and lock-free, so that a real-time thread never waits for another one to give a
-/// buffer back. Held by shared_ptr because a Frame may outlive the source that filled it.
-class FramePool : public std::enable_shared_from_this<FramePool> {
+/// buffer back.
+class FramePool final : public FrameLender {
  public:
   static constexpr int kMaxBuffers = 64;
   static constexpr int kMaxSide_px = 16384;
@@ -93,13 +126,12 @@ class FramePool : public std::enable_shared_from_this<FramePool> {
   const FrameFormat& format() const { return format_; }
 
  private:
-  friend class Frame;
   struct AlignedDelete {
     void operator()(std::uint8_t* memory) const;
   };
 
   FramePool(const FrameFormat& format, int buffers);
-  void release(int slot);
+  void takeBack(int slot) override;
 
   FrameFormat format_;
   std::array<std::ptrdiff_t, 3> offsets_{};  // [bytes] of each plane within a buffer

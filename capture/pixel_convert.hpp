@@ -15,11 +15,11 @@ namespace depthscope::capture {
 /// With K_r, K_b of the matrix, y = Y - 16 and scales 255/219, 255/224 (limited) or y = Y and 1, 1
 /// (full): R = y' + 2 (1 - K_r) v', B = y' + 2 (1 - K_b) u', G by y' = K_r R + K_g G + K_b B, each
 /// coefficient rounded to 16 fractional bits, the sum rounded half up and clamped (ITU-R
-/// BT.601-7 2.5, BT.709-6 3).
+/// BT.601-7 2.5, BT.709-6 3, BT.2020-2 table 4). RGB of limited range is expanded by 255/219.
 void toRgba(const Frame& frame, std::span<std::uint8_t> out);
 
 /// The frame's luma, 8 bit, rows packed, width * height bytes. Gray and YUV: the Y plane as it is,
-/// no range expanded; RGB: BT.601 weights. Does not allocate; sizes as for toRgba.
+/// no range expanded; RGB: BT.601 weights, likewise. Does not allocate; sizes as for toRgba.
 void toGray(const Frame& frame, std::span<std::uint8_t> out);
 
 }  // namespace depthscope::capture

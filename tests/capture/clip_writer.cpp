@@ -49,6 +49,8 @@ AVPixelFormat avFormat(const FrameFormat& format) {
       return format.range == YuvRange::Full ? AV_PIX_FMT_YUVJ420P : AV_PIX_FMT_YUV420P;
     case PixelFormat::Nv12:
       return AV_PIX_FMT_NV12;
+    default:
+      break;
   }
   return AV_PIX_FMT_NONE;
 }

@@ -59,8 +59,8 @@ TEST(FramePool, AFrameMayOutliveWhoeverMadeThePool) {
 }
 
 TEST(FramePool, AlignsEveryRowOfEveryPlaneTo64Bytes) {
-  for (const PixelFormat format : {PixelFormat::Gray8, PixelFormat::Rgb24, PixelFormat::Bgr24,
-                                   PixelFormat::Rgba32, PixelFormat::Yuv420p, PixelFormat::Nv12}) {
+  for (int i = 0; i < kPixelFormats; ++i) {
+    const auto format = static_cast<PixelFormat>(i);
     const auto pool = FramePool::create({format, 33, 17}, 2);
     const Frame frames[] = {pool->acquire(), pool->acquire()};
     for (const Frame& frame : frames)
@@ -120,14 +120,16 @@ TEST(FramePool, NeverGivesOneBufferToTwoThreads) {
 }
 
 TEST(Frame, LumaIsThePlaneItselfWhereThereIsOne) {
-  for (const PixelFormat format : {PixelFormat::Gray8, PixelFormat::Yuv420p, PixelFormat::Nv12}) {
+  for (const PixelFormat format : {PixelFormat::Gray8, PixelFormat::Yuv420p, PixelFormat::Yuv422p,
+                                   PixelFormat::Yuv444p, PixelFormat::Nv12, PixelFormat::Nv16}) {
     const Frame frame = FramePool::create({format, 33, 17}, 1)->acquire();
     EXPECT_EQ(frame.luma().data, frame.planes[0].data);
     EXPECT_EQ(frame.luma().stride, frame.planes[0].stride);
     EXPECT_EQ(frame.luma().width, 33);
     EXPECT_EQ(frame.luma().height, 17);
   }
-  for (const PixelFormat format : {PixelFormat::Rgb24, PixelFormat::Bgr24, PixelFormat::Rgba32})
+  for (const PixelFormat format : {PixelFormat::Rgb24, PixelFormat::Bgr24, PixelFormat::Rgba32,
+                                   PixelFormat::Bgrx32, PixelFormat::Yuyv, PixelFormat::Uyvy})
     EXPECT_TRUE(FramePool::create({format, 33, 17}, 1)->acquire().luma().empty());
   EXPECT_TRUE(Frame().luma().empty());
 }
@@ -136,6 +138,8 @@ TEST(PlaneSize, RoundsChromaOfOddPicturesUp) {
   EXPECT_EQ(planeSize(kYuv, 2).row_bytes, 17);
   EXPECT_EQ(planeSize(kYuv, 2).rows, 9);
   EXPECT_EQ(planeSize({PixelFormat::Nv12, 33, 17}, 1).row_bytes, 34);
+  EXPECT_EQ(planeSize({PixelFormat::Nv16, 33, 17}, 1).rows, 17);
+  EXPECT_EQ(planeSize({PixelFormat::Yuyv, 33, 17}, 0).row_bytes, 68);
 }
 
 }  // namespace

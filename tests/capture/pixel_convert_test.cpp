@@ -15,8 +15,8 @@ using Rgb = std::array<int, 3>;
 
 /// ITU-R BT.601-7 and BT.709-6 in double precision.
 Rgb referenceRgb(int y, int u, int v, YuvMatrix matrix, YuvRange range) {
-  const double kr = matrix == YuvMatrix::Bt601 ? 0.299 : 0.2126;
-  const double kb = matrix == YuvMatrix::Bt601 ? 0.114 : 0.0722;
+  const double kr = std::array{0.299, 0.2126, 0.2627}[static_cast<int>(matrix)];
+  const double kb = std::array{0.114, 0.0722, 0.0593}[static_cast<int>(matrix)];
   const bool limited = range == YuvRange::Limited;
   const double luma = limited ? (y - 16) / 219.0 : y / 255.0;
   const double pb = (u - 128) / (limited ? 224.0 : 255.0);
@@ -92,7 +92,9 @@ INSTANTIATE_TEST_SUITE_P(AllStandards, YuvToRgba,
                          testing::Values(Standard{YuvMatrix::Bt601, YuvRange::Limited},
                                          Standard{YuvMatrix::Bt601, YuvRange::Full},
                                          Standard{YuvMatrix::Bt709, YuvRange::Limited},
-                                         Standard{YuvMatrix::Bt709, YuvRange::Full}));
+                                         Standard{YuvMatrix::Bt709, YuvRange::Full},
+                                         Standard{YuvMatrix::Bt2020, YuvRange::Limited},
+                                         Standard{YuvMatrix::Bt2020, YuvRange::Full}));
 
 TEST(ToRgba, KnowsTheColourBars) {
   struct Bar {
@@ -121,37 +123,61 @@ TEST(ToRgba, KnowsTheColourBars) {
   }
 }
 
-TEST(ToRgba, TakesChromaOfTheNearestSampleInOddPictures) {
-  for (const PixelFormat format : {PixelFormat::Yuv420p, PixelFormat::Nv12}) {
-    // Wider than a block of the row function, so that block borders are crossed.
-    const Frame frame = makeFrame({format, 1037, 5, YuvMatrix::Bt709, YuvRange::Full});
-    const auto chroma = [&](int plane, int x, int y) -> std::uint8_t& {
-      return format == PixelFormat::Nv12 ? at(frame, 1, 2 * x + plane - 1, y)
-                                         : at(frame, plane, x, y);
-    };
-    for (int y = 0; y < 5; ++y)
-      for (int x = 0; x < 1037; ++x) at(frame, 0, x, y) = static_cast<std::uint8_t>(x * 5 + y);
-    for (int y = 0; y < 3; ++y)
-      for (int x = 0; x < 519; ++x) {
-        chroma(1, x, y) = static_cast<std::uint8_t>(x * 3 + y * 50);
-        chroma(2, x, y) = static_cast<std::uint8_t>(255 - x * 7 - y);
-      }
-    const auto out = rgbaOf(frame);
-    for (int y = 0; y < 5; ++y)
-      for (int x = 0; x < 1037; ++x) {
-        const Rgb expected =
-            referenceRgb(at(frame, 0, x, y), chroma(1, x / 2, y / 2), chroma(2, x / 2, y / 2),
-                         YuvMatrix::Bt709, YuvRange::Full);
-        for (int c = 0; c < 3; ++c)
-          ASSERT_NEAR(out[4 * (y * 1037 + x) + c], expected[c], 1) << x << ", " << y;
-      }
+/// Where a format keeps one of the samples of pixel x, y: component 0 is Y, 1 is U, 2 is V.
+std::uint8_t& sample(const Frame& frame, int component, int x, int y) {
+  switch (frame.format.pixel_format) {
+    case PixelFormat::Yuv420p:
+      return component == 0 ? at(frame, 0, x, y) : at(frame, component, x / 2, y / 2);
+    case PixelFormat::Yuv422p:
+      return component == 0 ? at(frame, 0, x, y) : at(frame, component, x / 2, y);
+    case PixelFormat::Nv12:
+      return component == 0 ? at(frame, 0, x, y) : at(frame, 1, x / 2 * 2 + component - 1, y / 2);
+    case PixelFormat::Nv16:
+      return component == 0 ? at(frame, 0, x, y) : at(frame, 1, x / 2 * 2 + component - 1, y);
+    case PixelFormat::Yuyv:
+      return at(frame, 0, component == 0 ? 2 * x : x / 2 * 4 + 2 * component - 1, y);
+    case PixelFormat::Uyvy:
+      return at(frame, 0, component == 0 ? 2 * x + 1 : x / 2 * 4 + 2 * component - 2, y);
+    default:
+      return at(frame, component, x, y);
   }
 }
 
+class YuvLayout : public testing::TestWithParam<PixelFormat> {};
+
+TEST_P(YuvLayout, TakesChromaOfTheNearestSampleInOddPictures) {
+  // Wider than a block of the row function, so that block borders are crossed.
+  const Frame frame = makeFrame({GetParam(), 1037, 5, YuvMatrix::Bt709, YuvRange::Full});
+  for (int y = 0; y < 5; ++y)
+    for (int x = 0; x < 1037; ++x) {
+      sample(frame, 0, x, y) = static_cast<std::uint8_t>(x * 5 + y);
+      sample(frame, 1, x, y) = static_cast<std::uint8_t>(x * 3 + y * 50);
+      sample(frame, 2, x, y) = static_cast<std::uint8_t>(255 - x * 7 - y);
+    }
+  const auto out = rgbaOf(frame);
+  const auto gray = grayOf(frame);
+  for (int y = 0; y < 5; ++y)
+    for (int x = 0; x < 1037; ++x) {
+      const Rgb expected = referenceRgb(sample(frame, 0, x, y), sample(frame, 1, x, y),
+                                        sample(frame, 2, x, y), YuvMatrix::Bt709, YuvRange::Full);
+      for (int c = 0; c < 3; ++c)
+        ASSERT_NEAR(out[4 * (y * 1037 + x) + c], expected[c], 1) << x << ", " << y;
+      ASSERT_EQ(out[4 * (y * 1037 + x) + 3], 255);
+      ASSERT_EQ(gray[y * 1037 + x], sample(frame, 0, x, y));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(AllLayouts, YuvLayout,
+                         testing::Values(PixelFormat::Yuv420p, PixelFormat::Yuv422p,
+                                         PixelFormat::Yuv444p, PixelFormat::Nv12, PixelFormat::Nv16,
+                                         PixelFormat::Yuyv, PixelFormat::Uyvy));
+
 TEST(ToRgba, HandsRgbOnUnchangedAndOpaque) {
-  for (const PixelFormat format : {PixelFormat::Rgb24, PixelFormat::Bgr24, PixelFormat::Rgba32}) {
-    const Frame frame = makeFrame({format, 37, 3});
-    const int bytes = format == PixelFormat::Rgba32 ? 4 : 3;
+  for (const PixelFormat format :
+       {PixelFormat::Rgb24, PixelFormat::Bgr24, PixelFormat::Rgba32, PixelFormat::Bgrx32}) {
+    const Frame frame = makeFrame({format, 37, 3, YuvMatrix::Bt601, YuvRange::Full});
+    const int bytes = planeSize(frame.format, 0).row_bytes / 37;
+    const bool swapped = format == PixelFormat::Bgr24 || format == PixelFormat::Bgrx32;
     for (int y = 0; y < 3; ++y)
       for (int i = 0; i < 37 * bytes; ++i)
         at(frame, 0, i, y) = static_cast<std::uint8_t>(i * 3 + y);
@@ -159,10 +185,21 @@ TEST(ToRgba, HandsRgbOnUnchangedAndOpaque) {
     for (int y = 0; y < 3; ++y)
       for (int x = 0; x < 37; ++x) {
         for (int c = 0; c < 3; ++c)
-          ASSERT_EQ(out[4 * (y * 37 + x) + c],
-                    at(frame, 0, x * bytes + (format == PixelFormat::Bgr24 ? 2 - c : c), y));
+          ASSERT_EQ(out[4 * (y * 37 + x) + c], at(frame, 0, x * bytes + (swapped ? 2 - c : c), y));
         ASSERT_EQ(out[4 * (y * 37 + x) + 3], 255);
       }
+  }
+}
+
+TEST(ToRgba, ExpandsRgbOfLimitedRange) {
+  const Frame frame = makeFrame({PixelFormat::Bgrx32, 256, 1, YuvMatrix::Bt601, YuvRange::Limited});
+  for (int i = 0; i < 4 * 256; ++i) at(frame, 0, i, 0) = static_cast<std::uint8_t>(i / 4);
+  const auto out = rgbaOf(frame);
+  for (int x = 0; x < 256; ++x) {
+    for (int c = 0; c < 3; ++c)
+      ASSERT_EQ(out[4 * x + c], referenceRgb(x, 128, 128, YuvMatrix::Bt601, YuvRange::Limited)[c])
+          << x;
+    ASSERT_EQ(out[4 * x + 3], 255);
   }
 }
 
@@ -177,22 +214,21 @@ TEST(ToRgba, ExpandsGrayByItsRange) {
   }
 }
 
-TEST(ToGray, IsTheYPlaneAsItIs) {
-  for (const PixelFormat format : {PixelFormat::Gray8, PixelFormat::Yuv420p, PixelFormat::Nv12}) {
-    const Frame frame = makeFrame({format, 35, 3, YuvMatrix::Bt601, YuvRange::Limited});
-    for (int y = 0; y < 3; ++y)
-      for (int x = 0; x < 35; ++x) at(frame, 0, x, y) = static_cast<std::uint8_t>(x * 7 + y);
-    const auto gray = grayOf(frame);
-    for (int y = 0; y < 3; ++y)
-      for (int x = 0; x < 35; ++x) ASSERT_EQ(gray[y * 35 + x], at(frame, 0, x, y));
-  }
+TEST(ToGray, IsGrayAsItIs) {
+  const Frame frame = makeFrame({PixelFormat::Gray8, 35, 3});
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 35; ++x) at(frame, 0, x, y) = static_cast<std::uint8_t>(x * 7 + y);
+  const auto gray = grayOf(frame);
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 35; ++x) ASSERT_EQ(gray[y * 35 + x], at(frame, 0, x, y));
 }
 
 TEST(ToGray, WeighsRgbByBt601) {
-  for (const PixelFormat format : {PixelFormat::Rgb24, PixelFormat::Bgr24, PixelFormat::Rgba32}) {
+  for (const PixelFormat format :
+       {PixelFormat::Rgb24, PixelFormat::Bgr24, PixelFormat::Rgba32, PixelFormat::Bgrx32}) {
     const Frame frame = makeFrame({format, 64, 64});
-    const int bytes = format == PixelFormat::Rgba32 ? 4 : 3;
-    const bool swapped = format == PixelFormat::Bgr24;
+    const int bytes = planeSize(frame.format, 0).row_bytes / 64;
+    const bool swapped = format == PixelFormat::Bgr24 || format == PixelFormat::Bgrx32;
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) {
         at(frame, 0, x * bytes + (swapped ? 2 : 0), y) = static_cast<std::uint8_t>(x * 4);

@@ -24,6 +24,12 @@ std::string_view toString(SourceStatus status) {
       return "permission denied";
     case SourceStatus::ReadError:
       return "read error";
+    case SourceStatus::DeviceBusy:
+      return "device busy";
+    case SourceStatus::NoFrames:
+      return "no frames";
+    case SourceStatus::DamagedFrames:
+      return "damaged frames";
   }
   return "unknown";
 }

@@ -21,8 +21,11 @@ enum class SourceStatus : std::uint8_t {
   UnsupportedMode,
   PermissionDenied,
   ReadError,
+  DeviceBusy,     // another program has the card
+  NoFrames,       // there is a signal, but no picture comes
+  DamagedFrames,  // pictures come, but none is whole
 };
-inline constexpr int source_status_count = static_cast<int>(SourceStatus::ReadError) + 1;
+inline constexpr int source_status_count = static_cast<int>(SourceStatus::DamagedFrames) + 1;
 
 /// Short English name of a status, for logs and the status mark, e.g. "no signal".
 std::string_view toString(SourceStatus status);
@@ -51,6 +54,11 @@ class FrameSource {
   /// packets, a clip that breaks off before its announced end); empty when nothing was. A damaged
   /// clip still ends with EndOfStream, so a program asks here before it calls the clip complete.
   virtual std::string damage() const { return {}; }
+  /// Pictures so far that were not handed out because they were damaged.
+  virtual std::uint64_t damagedFrames() const { return 0; }
+  /// What is behind the status that read() last gave, in a line for the log ("STREAMON: Device or
+  /// resource busy"); may be empty. Good until the next read().
+  virtual std::string_view detail() const { return {}; }
 };
 
 }  // namespace depthscope::capture

@@ -35,11 +35,17 @@ struct CaptureDevice {
 /// be asked. Changes nothing of them.
 std::vector<CaptureDevice> listCaptureDevices(kernel::SystemCalls& calls);
 
+/// Paths of the video nodes under /dev in the order of their numbers.
+std::vector<std::string> videoNodes(kernel::SystemCalls& calls);
+
 /// Opens the node that `selection` means (see V4l2Settings::device), the first in the order of
 /// numbers. 0 or -errno with the reason in `detail`: -ENODEV none there, -EACCES nodes are there
 /// but may not be opened.
 int openSelected(kernel::SystemCalls& calls, std::string_view selection, V4l2Node& node,
                  std::string& detail);
+
+/// What errno value `error` (of either sign) means, in words.
+std::string errorText(int error);
 
 /// Throws InputError unless `selection` has one of the forms that V4l2Settings::device names.
 void requireSelection(const std::string& selection);

@@ -16,8 +16,8 @@ std::string text(const __u8 (&field)[size]) {
 }  // namespace
 
 int V4l2Node::open(kernel::SystemCalls& calls, const std::string& path, V4l2Node& node) {
-  const int fd = kernel::retryInterrupted(
-      [&] { return calls.open(path.c_str(), O_RDWR | O_NONBLOCK); });
+  const int fd =
+      kernel::retryInterrupted([&] { return calls.open(path.c_str(), O_RDWR | O_NONBLOCK); });
   if (fd < 0) return fd;
   V4l2Node opened;
   opened.calls_ = &calls;

@@ -38,12 +38,30 @@ class Binder {
 
 void bindCapture(Binder& b, CaptureSettings& s) {
   b.section("capture");
+  b.text("device", s.card.device,
+         "capture card: \"auto\", a path such as /dev/v4l/by-path/..., \"name:TEXT\" or "
+         "\"bus:TEXT\" (depthscope devices lists them); empty: none, input is used");
+  b.text("device_input", s.card.input, "of the card, by name or number; empty: as it is set");
+  b.text("edid", s.card.edid,
+         "what the card tells the tower: \"auto\" the built-in one where it has none, "
+         "\"builtin\", \"none\" to leave it, or a binary file");
+  b.text("pixel_format", s.card.pixel_format,
+         "of the card, four characters such as \"NV12\"; \"auto\": the best it has");
+  b.number("width", s.card.width, 0, 16384,
+           "[px] wanted of cards that offer a choice; 0: the camera file's");
+  b.number("height", s.card.height, 0, 16384, "[px] likewise");
+  b.number("retry_ms", s.card.retry_ms, 10, 100,
+           "pause between attempts to get a card or its signal back");
+  b.number("restart_ms", s.card.restart_ms, 200, 60000,
+           "no picture for so long although there is a signal: the card is opened anew");
   b.text("input", s.input, "video file or folder of images that stands for the endoscope");
   b.text("camera", s.camera, "camera file, as depthscope calibrate writes it");
   b.flag("loop", s.loop,
          "play the clip again at its end; without it the daemon ends with the clip");
-  b.number("fps", s.fps, 0, 240, "pictures a second; 0: the camera file's, else the clip's own");
-  b.number("buffers", s.buffers, 3, 32, "pictures in the capture pool");
+  b.number("fps", s.fps, 0, 240,
+           "pictures a second; 0: the camera file's, else the clip's own; the signal's where it "
+           "has one");
+  b.number("buffers", s.buffers, 4, 32, "pictures in the card's queue or the clip's pool");
   b.text("faults", s.faults, "fault script to act out; empty: none");
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <string>
 
+#include "capture/v4l2_settings.hpp"
 #include "overlay/overlay_settings.hpp"
 #include "platform/footswitch/footswitch_settings.hpp"
 #include "recon/recon_settings.hpp"
@@ -8,13 +9,14 @@
 
 namespace depthscope::platform {
 
-/// Where the daemon's pictures come from.
+/// Where the daemon's pictures come from: a capture card (card.device) or a clip (input).
 struct CaptureSettings {
-  std::string input;   // video file or folder of images
-  std::string camera;  // camera file
+  capture::V4l2Settings card;  // its fps and buffers are those below
+  std::string input;           // video file or folder of images
+  std::string camera;          // camera file
   bool loop = true;    // play the clip again at its end; without it the daemon ends with the clip
   double fps = 0;      // [1/s] overrides the clip's rate; 0: the camera file's, else the clip's own
-  int buffers = 6;     // pool of pictures
+  int buffers = 8;     // pictures in the card's queue or the clip's pool
   std::string faults;  // fault script to act out; empty: none
 };
 

@@ -192,6 +192,7 @@ std::string ControlRequests::status() const {
       {"overlay", overlayStatusName(report_.overlay_status.load())},
       {"frames_shown", report_.frames.load()},
       {"frames_skipped", report_.skipped.load()},
+      {"frames_damaged", report_.damaged.load()},
       {"frames_given_up", report_.given_up.load()},
       {"frames_tracked", report_.tracked.load()},
       {"fault_pictures", report_.faults.load()},

@@ -11,8 +11,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "capture/file_source.hpp"
-#include "platform/camera_file.hpp"
+#include "platform/daemon/open_source.hpp"
 #include "platform/daemon/real_time.hpp"
 #include "platform/log.hpp"
 
@@ -38,20 +37,6 @@ UniqueFd makeEvent() {
   return fd;
 }
 
-std::unique_ptr<capture::FrameSource> openSource(const DaemonOptions& options) {
-  const CaptureSettings& capture = options.settings.capture;
-  capture::FileSourceSettings settings;
-  settings.path = capture.input;
-  settings.pacing = capture::FileSourceSettings::Pacing::Clip;
-  settings.loop = capture.loop;
-  settings.fps = options.camera.fps;
-  settings.buffers = capture.buffers;
-  if (!capture.faults.empty()) settings.faults = capture::loadFaultScript(capture.faults);
-  auto source = capture::openFileSource(settings);
-  requireSize(options.camera, capture.camera, source->format().width, source->format().height);
-  return source;
-}
-
 SharedCapacity capacity(const DaemonOptions& options) {
   return {static_cast<std::uint32_t>(options.camera.width),
           static_cast<std::uint32_t>(options.camera.height),
@@ -74,7 +59,7 @@ Daemon::Daemon(const DaemonOptions& options)
     : options_(options),
       signals_(makeSignals()),
       frame_event_(makeEvent()),
-      source_(openSource(options)),
+      source_(openSource(options.settings.capture, options.camera)),
       fps_(source_->fps() > 0 ? source_->fps() : 30),
       memory_(SharedMemory::create(capacity(options))),
       display_(makeDisplay(options.settings.display, kernel::realSystemCalls(),
@@ -101,7 +86,10 @@ void Daemon::run() {
   VideoThread video([&] { return makeLoop(layers); }, options_.settings.daemon.realtime_priority,
                     report_);
   ::sd_watchdog_enabled(0, &watchdog_us_);
-  log(LogPriority::Info, "started", {{"input", options_.settings.capture.input}, {"fps", fps_}});
+  const CaptureSettings& capture = options_.settings.capture;
+  log(LogPriority::Info, "started",
+      {{"input", capture.card.device.empty() ? capture.input : capture.card.device},
+       {"fps", fps_}});
   serviceLoop();
   ::sd_notify(0, "STOPPING=1");
   video.stop();
@@ -140,6 +128,7 @@ void Daemon::serviceLoop() {
     serveFootswitch(pedals);
     if (wait[1].revents != 0) control_.serve();
     if (frame_log_) frame_log_->flush();
+    logSource();
     feedWatchdog();
   }
 }
@@ -179,10 +168,19 @@ void Daemon::feedWatchdog() {
   if (watchdog_us_ != 0) ::sd_notify(0, "WATCHDOG=1");
 }
 
+void Daemon::logSource() {
+  const auto note = report_.source_note.take();
+  if (!note) return;
+  const bool ok = note->status == capture::SourceStatus::Ok;
+  log(ok ? LogPriority::Info : LogPriority::Warning, "source",
+      {{"status", toString(note->status)}, {"detail", note->detail}});
+}
+
 void Daemon::logEnd() const {
   log(LogPriority::Info, "stopped",
       {{"frames", report_.frames.load()},
        {"skipped", report_.skipped.load()},
+       {"damaged", report_.damaged.load()},
        {"given_up", report_.given_up.load()},
        {"tracked", report_.tracked.load()},
        {"ar_restarts", ar_.restarts()}});

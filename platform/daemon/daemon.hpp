@@ -32,6 +32,7 @@ class Daemon {
   bool handleSignals();
   void serveFootswitch(std::span<const pollfd> descriptors);
   void feedWatchdog();
+  void logSource();
   void logEnd() const;
 
   const DaemonOptions options_;

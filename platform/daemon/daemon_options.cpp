@@ -4,6 +4,7 @@
 
 #include "platform/camera_file.hpp"
 #include "platform/config/config_file.hpp"
+#include "platform/daemon/open_source.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::platform {
@@ -16,7 +17,8 @@ SYNOPSIS
   depthscoped --check FILE | --print-config | --version | --help
 
 DESCRIPTION
-  Captures, composites and shows pictures; starts depthscope-ar, which tracks and reconstructs, and starts
+  Captures pictures from a card (capture.device; "depthscope devices" lists them) or plays a clip
+  (capture.input), composites and shows them; starts depthscope-ar, which tracks and reconstructs, and starts
   it again whenever it ends. The picture never waits for it. Stops on SIGTERM and SIGINT.
 
 OPTIONS
@@ -40,9 +42,11 @@ DaemonOptions parseDaemonOptions(Arguments arguments) {
   for (const std::string& assignment : overrides) applyOverride(assignment, options.settings);
   checkConsistency(options.settings);
   const CaptureSettings& capture = options.settings.capture;
-  if (capture.input.empty())
-    throw InputError(config +
-                     ": capture.input: is missing, expected a video file or folder of images");
+  try {
+    checkCapture(capture);
+  } catch (const InputError& error) {
+    throw InputError(config + ": " + error.what());
+  }
   if (capture.camera.empty())
     throw InputError(config + ": capture.camera: is missing, expected a camera file");
   options.camera = loadCameraFile(capture.camera);

@@ -5,6 +5,7 @@
 #include "platform/camera_file.hpp"
 #include "platform/config/config_file.hpp"
 #include "platform/daemon/daemon.hpp"
+#include "platform/daemon/open_source.hpp"
 #include "platform/library_logs.hpp"
 #include "platform/version.hpp"
 #include "types/error.hpp"
@@ -16,6 +17,11 @@ int checkConfig(const std::string& file) {
   Settings settings;
   loadConfig(file, settings);
   checkConsistency(settings);
+  try {
+    checkCapture(settings.capture);
+  } catch (const InputError& error) {
+    throw InputError(file + ": " + error.what());
+  }
   if (!settings.capture.camera.empty()) loadCameraFile(settings.capture.camera);
   std::printf("%s: ok\n", file.c_str());
   return 0;

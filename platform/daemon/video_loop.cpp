@@ -1,6 +1,8 @@
 #include "platform/daemon/video_loop.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <cstring>
 
 #include "capture/pixel_convert.hpp"
@@ -41,7 +43,11 @@ std::string_view faultMessage(SourceStatus status) {
 
 VideoLoop::VideoLoop(const Parts& parts, const VideoLoopSettings& settings,
                      const std::string& font_file, int width, int height)
-    : parts_(parts), settings_(settings), painter_(font_file) {
+    : parts_(parts),
+      settings_(settings),
+      painter_(font_file),
+      camera_width_(width),
+      camera_height_(height) {
   resize(width, height);
 }
 
@@ -73,14 +79,36 @@ bool VideoLoop::turn() {
   VideoReport& report = parts_.report;
   report.source_status.store(static_cast<std::uint8_t>(result.status), std::memory_order_relaxed);
   if (result.status == SourceStatus::EndOfStream) return false;
+  noteSource(result);
   if (result.status == SourceStatus::Ok)
     showPicture(result.frame);
   else
     showFault(result.status);
   reportDisplay();
   report.skipped.store(parts_.source.skipped(), std::memory_order_relaxed);
+  report.damaged.store(parts_.source.damagedFrames(), std::memory_order_relaxed);
   report.rejected.store(parts_.ar.rejected(), std::memory_order_relaxed);
   return true;
+}
+
+/// Changes of the source are for the log, which the service writes.
+void VideoLoop::noteSource(const capture::ReadResult& result) {
+  if (result.status == SourceStatus::Timeout) return;  // a pause is no news
+  if (result.status != noted_status_ || result.format_changed) noted_ = false;
+  noted_status_ = result.status;
+  if (noted_) return;
+  if (result.status != SourceStatus::Ok) {
+    noted_ = parts_.report.source_note.put(result.status, parts_.source.detail());
+    return;
+  }
+  const capture::FrameFormat& format = result.frame.format;
+  const bool calibrated = format.width == camera_width_ && format.height == camera_height_;
+  std::array<char, 160> text{};
+  const int length =
+      std::snprintf(text.data(), text.size(), "%dx%d%s", format.width, format.height,
+                    calibrated ? "" : ", no AR: the camera file is for another size");
+  noted_ =
+      parts_.report.source_note.put(result.status, {text.data(), static_cast<std::size_t>(length)});
 }
 
 void VideoLoop::showPicture(const capture::Frame& frame) {

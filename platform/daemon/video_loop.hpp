@@ -66,19 +66,23 @@ class VideoLoop {
   void account(const FrameTimes& times);
   void takeShown();
   void reportDisplay();
+  void noteSource(const capture::ReadResult& result);
 
   Parts parts_;
   VideoLoopSettings settings_;
   overlay::StatusPainter painter_;
   std::vector<std::uint8_t> picture_;  // the last one, R G B A, without overlay
   std::vector<std::uint8_t> gray_;
-  int width_ = 0, height_ = 0;             // [px] of the last picture: fault pictures have its size
-  std::int64_t shown_ = -1;                // last picture's time in nominal frame times
-  std::array<Submitted, 16> submitted_{};  // the last pictures, by index
+  int width_ = 0, height_ = 0;  // [px] of the last picture: fault pictures have its size
+  const int camera_width_, camera_height_;  // [px] that the camera file is for
+  std::int64_t shown_ = -1;                 // last picture's time in nominal frame times
+  std::array<Submitted, 16> submitted_{};   // the last pictures, by index
   std::optional<Time> last_picture_;
   const OverlayLayer* layer_ = nullptr;  // the newest, if any
   std::uint64_t requests_ = 0;
   FrameClock clock_;
+  bool noted_ = false;  // the log knows of noted_status_
+  capture::SourceStatus noted_status_ = capture::SourceStatus::Ok;
 };
 
 }  // namespace depthscope::platform

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "platform/daemon/frame_clock.hpp"
+#include "platform/daemon/source_note.hpp"
 #include "platform/ipc/seqlock.hpp"
 
 namespace depthscope::platform {
@@ -16,6 +17,7 @@ struct VideoReport {
   std::atomic<std::uint64_t> frames{0};  // pictures shown
   std::atomic<std::uint64_t> skipped{
       0};  // pictures that the source gave up because newer ones were there
+  std::atomic<std::uint64_t> damaged{0};   // pictures not shown because they were damaged
   std::atomic<std::uint64_t> given_up{0};  // pictures that the display did not take
   std::atomic<std::uint64_t> faults{0};    // fault pictures shown
   std::atomic<std::uint64_t> rejected{
@@ -33,6 +35,7 @@ struct VideoReport {
       0};                               // pictures shown with an overlay drawn for one before
   SeqlockBox<FrameClockSummary> times;  // brought up to date every second or so
   std::atomic<bool> ended{false};       // the clip is over
+  SourceNote source_note;
 };
 
 }  // namespace depthscope::platform

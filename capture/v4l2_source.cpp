@@ -128,8 +128,9 @@ bool V4l2Source::startStream() {
   if (!handed_out_) format_ = restorer_.format();
   sequence_base_ = handed_out_ ? last_sequence_ + 1 : 0;
   damaged_since_picture_ = false;
-  last_picture_ = calls_.now();
-  next_check_ = last_picture_ + (has_events_ ? kCheckPeriod : kCheckWithoutEvents);
+  // A card opened anew because it was silent has not said anything yet.
+  if (status_ != SourceStatus::NoFrames) last_picture_ = calls_.now();
+  next_check_ = calls_.now() + (has_events_ ? kCheckPeriod : kCheckWithoutEvents);
   return true;
 }
 
@@ -229,7 +230,7 @@ ReadResult V4l2Source::handOut(Frame frame) {
   last_sequence_ = frame.sequence;
   const bool changed = std::exchange(format_, frame.format) != frame.format && handed_out_;
   handed_out_ = true;
-  said_ = SourceStatus::Ok;
+  status_ = said_ = SourceStatus::Ok;
   detail_.clear();
   return {SourceStatus::Ok, std::move(frame), changed};
 }

@@ -208,11 +208,14 @@ void bindOverlay(Binder& b, overlay::OverlaySettings& s) {
 
 void bindDisplay(Binder& b, DisplaySettings& s) {
   b.section("display");
-  b.choice("kind", s.kind, {"null", "file", "kms"},
-           "where the pictures go: nowhere, into a video file, to a monitor");
+  b.choice(
+      "kind", s.kind, {"null", "file", "kms", "fbdev"},
+      "where the pictures go: nowhere, into a video file, to a monitor, to a bare framebuffer");
   b.text("path", s.path, "video file to write, for kind \"file\"");
   b.text("device", s.device,
-         "for \"kms\": the card, e.g. /dev/dri/card0; \"auto\": the first with a monitor");
+         "for \"kms\" the card, e.g. /dev/dri/card0, \"auto\": the first with a monitor; for "
+         "\"fbdev\" "
+         "the framebuffer, \"auto\": /dev/fb0");
   b.text("connector", s.connector,
          "for \"kms\": the card's connector, e.g. HDMI-A-1; \"auto\": the first with a monitor");
   b.text("mode", s.mode,

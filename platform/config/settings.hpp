@@ -20,13 +20,13 @@ struct CaptureSettings {
   std::string faults;  // fault script to act out; empty: none
 };
 
-enum class DisplayKind { Null, File, Kms };
+enum class DisplayKind { Null, File, Kms, Fbdev };
 
 /// Where the daemon's pictures go to.
 struct DisplaySettings {
   DisplayKind kind = DisplayKind::Null;
   std::string path;                // video file to write, for kind "file"
-  std::string device = "auto";     // card for kind "kms", e.g. /dev/dri/card0
+  std::string device = "auto";     // card or framebuffer, e.g. /dev/dri/card0, /dev/fb0
   std::string connector = "auto";  // of the card, e.g. HDMI-A-1; auto: the first with a monitor
   std::string mode = "auto";       // of the monitor, e.g. 1920x1080@60; auto: what fits the picture
 };

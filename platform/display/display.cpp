@@ -1,5 +1,7 @@
 #include "platform/display/display.hpp"
 
+#include "platform/display/display_errors.hpp"
+#include "platform/display/fbdev/fbdev_display.hpp"
 #include "platform/display/file_display.hpp"
 #include "platform/display/kms/kms_display.hpp"
 #include "platform/display/null_display.hpp"
@@ -27,6 +29,24 @@ std::string_view toString(DisplayState state) {
   return "unknown";
 }
 
+DisplayState displayStateOf(int error) {
+  switch (error) {
+    case -ENOENT:
+    case -ENODEV:
+    case -ENXIO:
+      return DisplayState::NoDevice;
+    case -EACCES:
+    case -EPERM:
+      return DisplayState::PermissionDenied;
+    case -ENOLINK:
+      return DisplayState::NoMonitor;
+    case -EOPNOTSUPP:
+      return DisplayState::Unsupported;
+    default:
+      return DisplayState::Failing;
+  }
+}
+
 std::unique_ptr<Display> makeDisplay(const DisplaySettings& settings, kernel::SystemCalls& calls,
                                      int width, int height, double fps) {
   switch (settings.kind) {
@@ -39,6 +59,8 @@ std::unique_ptr<Display> makeDisplay(const DisplaySettings& settings, kernel::Sy
       return std::make_unique<FileDisplay>(settings.path, width, height, fps);
     case DisplayKind::Kms:
       return std::make_unique<kms::KmsDisplay>(settings, calls, fps);
+    case DisplayKind::Fbdev:
+      return std::make_unique<fbdev::FbdevDisplay>(settings, calls);
   }
   return std::make_unique<NullDisplay>();
 }

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "platform/display/display_errors.hpp"
 #include "platform/display/kms/monitor_watch.hpp"
 #include "platform/log.hpp"
 
@@ -21,24 +22,6 @@ constexpr int strikes_allowed = 3;
 
 std::chrono::nanoseconds seconds(double s) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(s));
-}
-
-DisplayState stateOf(int error) {
-  switch (error) {
-    case -ENOENT:
-    case -ENODEV:
-    case -ENXIO:
-      return DisplayState::NoDevice;
-    case -EACCES:
-    case -EPERM:
-      return DisplayState::PermissionDenied;
-    case -ENOLINK:
-      return DisplayState::NoMonitor;
-    case -EOPNOTSUPP:
-      return DisplayState::Unsupported;
-    default:
-      return DisplayState::Failing;
-  }
 }
 
 }  // namespace
@@ -271,7 +254,7 @@ void KmsDisplay::fail(int error) {
   next_try_ = calls_.now() + retry_interval;
   dropOutput();
   if (error != -ENOLINK || (card_ && card_->leaked())) dropCard();
-  report(stateOf(error), error);
+  report(displayStateOf(error), error);
 }
 
 void KmsDisplay::dropOutput() {

@@ -6,8 +6,10 @@
 #include <span>
 #include <string_view>
 
+#include "capture/frame.hpp"
 #include "kernel/system_calls.hpp"
 #include "platform/config/settings.hpp"
+#include "platform/display/dma_picture.hpp"
 
 namespace depthscope::platform {
 
@@ -51,6 +53,14 @@ class Display {
   /// Shows the picture in the buffer last acquired; `index` grows with time, one each nominal frame
   /// time. When an earlier picture still waits for its turn, the newer one takes its place.
   virtual void present(std::int64_t index) = 0;
+  /// Shows a captured picture from the memory it was captured into, with a layer over it, where the
+  /// hardware can; after acquire() and in place of present(). True: the display keeps the frame
+  /// until another picture has taken its place. False: nothing happened, the picture is to be
+  /// composed. `picture` tells where the frame's pixels are.
+  virtual bool presentFrame(capture::Frame& /*frame*/, const DmaPicture& /*picture*/,
+                            const LayerView& /*layer*/, std::int64_t /*index*/) {
+    return false;
+  }
   virtual DisplayState state() const = 0;
   virtual DisplayMode mode() const { return {}; }
   /// The next picture that is known to have been shown, oldest first; none where the display does

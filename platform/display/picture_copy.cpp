@@ -44,23 +44,6 @@ void toRgb565(const std::uint8_t* __restrict rgba, int pixels, std::uint8_t* __r
   }
 }
 
-void writeRow(const std::uint8_t* rgba, int pixels, PixelLayout layout, std::uint8_t* out) {
-  switch (layout) {
-    case PixelLayout::Rgbx32:
-      std::memcpy(out, rgba, static_cast<std::size_t>(pixels) * 4);
-      break;
-    case PixelLayout::Bgrx32:
-      toBgrx(rgba, pixels, out);
-      break;
-    case PixelLayout::Bgr24:
-      toBgr24(rgba, pixels, out);
-      break;
-    case PixelLayout::Rgb565:
-      toRgb565(rgba, pixels, out);
-      break;
-  }
-}
-
 constexpr int fraction_bits = 8;
 constexpr int one = 1 << fraction_bits;
 
@@ -78,6 +61,23 @@ Between between(int i, int count, int scaled) {
 }
 
 }  // namespace
+
+void copyRow(const std::uint8_t* rgba, int pixels, PixelLayout layout, std::uint8_t* out) {
+  switch (layout) {
+    case PixelLayout::Rgbx32:
+      std::memcpy(out, rgba, static_cast<std::size_t>(pixels) * 4);
+      break;
+    case PixelLayout::Bgrx32:
+      toBgrx(rgba, pixels, out);
+      break;
+    case PixelLayout::Bgr24:
+      toBgr24(rgba, pixels, out);
+      break;
+    case PixelLayout::Rgb565:
+      toRgb565(rgba, pixels, out);
+      break;
+  }
+}
 
 int bytesPerPixel(PixelLayout layout) {
   return layout == PixelLayout::Rgb565 ? 2 : layout == PixelLayout::Bgr24 ? 3 : 4;
@@ -127,8 +127,7 @@ void PictureCopier::copy(const RgbaView& picture, const ScanoutView& screen) {
   for (int y = 0; y < place.height; ++y) {
     std::uint8_t* to = screen.data + static_cast<std::ptrdiff_t>(place.y + y) * screen.stride +
                        static_cast<std::ptrdiff_t>(place.x) * bytesPerPixel(screen.layout);
-    writeRow(scaled ? scaledRow(picture, place, y) : picture.row(y), place.width, screen.layout,
-             to);
+    copyRow(scaled ? scaledRow(picture, place, y) : picture.row(y), place.width, screen.layout, to);
   }
 }
 

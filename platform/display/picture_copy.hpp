@@ -31,6 +31,9 @@ struct Placement {
   int width = 0, height = 0;  // [px] the picture's own unless it is scaled down
 };
 
+/// Writes `pixels` pixels of R G B A bytes as the layout has them.
+void copyRow(const std::uint8_t* rgba, int pixels, PixelLayout layout, std::uint8_t* out);
+
 /// In the middle, pixel for pixel; a picture larger than the screen is scaled down as far as
 /// needed, in its proportions.
 Placement placePicture(int picture_width, int picture_height, int screen_width, int screen_height);

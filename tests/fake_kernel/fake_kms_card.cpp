@@ -29,6 +29,18 @@ class StatusFile final : public FakeDevice {
   const bool& connected_;
 };
 
+/// Lays a pixel (0xAARRGGBB, premultiplied where the format has alpha) over another.
+std::uint32_t over(std::uint32_t pixel, std::uint32_t format, std::uint32_t below) {
+  const bool alpha = format == DRM_FORMAT_ARGB8888 || format == DRM_FORMAT_ABGR8888;
+  if (!alpha) return pixel & 0xffffff;
+  std::uint32_t out = 0;
+  for (const int shift : {0, 8, 16}) {
+    const std::uint32_t under = (below >> shift & 0xff) * (255 - (pixel >> 24)) / 255;
+    out |= std::min(255u, (pixel >> shift & 0xff) + under) << shift;
+  }
+  return out;
+}
+
 std::string sysfsName(const std::string& card, const FakeKmsCard::Connector& c) {
   const char* type = c.type == DRM_MODE_CONNECTOR_HDMIA         ? "HDMI-A"
                      : c.type == DRM_MODE_CONNECTOR_DisplayPort ? "DP"
@@ -82,9 +94,15 @@ FakeKmsCard::FakeKmsCard(FakeKernel& kernel, std::string name, std::vector<Conne
                                                             {"CRTC_Y", 0},
                                                             {"CRTC_W", 0},
                                                             {"CRTC_H", 0}}};
+  for (auto& [id, object] : state_) {
+    if (object.type != DRM_MODE_OBJECT_PLANE) continue;
+    const PlaneKind& kind = planes_[object.index];
+    if (kind.zpos >= 0) object.values["zpos"] = static_cast<std::uint64_t>(kind.zpos);
+    if (kind.has_colors) object.values["COLOR_ENCODING"] = object.values["COLOR_RANGE"] = 0;
+  }
   console_mode_ = makeMode(640, 480, 60);
   console_framebuffer_ = next_id_++;
-  framebuffers_[console_framebuffer_] = {0, 640, 480, DRM_FORMAT_XRGB8888, nullptr};
+  framebuffers_[console_framebuffer_] = {0, 640, 480, 2560, DRM_FORMAT_XRGB8888, nullptr};
   showConsole();
   kernel_.plug("/dev/dri/" + name_, *this);
 }
@@ -186,18 +204,42 @@ const drm_mode_modeinfo* FakeKmsCard::mode() const {
 
 std::uint32_t FakeKmsCard::pixel(int x, int y) {
   settle();
-  const auto fb = framebuffers_.find(on_screen_);
-  if (fb == framebuffers_.end() || fb->second.buffer == 0) return 0;
-  const Buffer& buffer = buffers_.at(fb->second.buffer);
+  std::vector<const Object*> planes;
+  for (const auto& [id, object] : screen_)
+    if (object.type == DRM_MODE_OBJECT_PLANE) planes.push_back(&object);
+  // Overlays lie above the primary plane unless told otherwise.
+  const auto height = [&](const Object* o) {
+    const PlaneKind& kind = planes_[o->index];
+    return kind.zpos >= 0 ? kind.zpos : kind.type == 1 ? 0 : 1;
+  };
+  std::stable_sort(planes.begin(), planes.end(),
+                   [&](const Object* a, const Object* b) { return height(a) < height(b); });
+  std::uint32_t below = 0;
+  for (const Object* plane : planes) {
+    const auto fb = framebuffers_.find(static_cast<std::uint32_t>(plane->values.at("FB_ID")));
+    if (fb == framebuffers_.end() || fb->second.buffer == 0) continue;
+    const int u = x - static_cast<int>(plane->values.at("CRTC_X"));
+    const int v = y - static_cast<int>(plane->values.at("CRTC_Y"));
+    if (u < 0 || v < 0 || u >= static_cast<int>(fb->second.width) ||
+        v >= static_cast<int>(fb->second.height))
+      continue;
+    below = over(framebufferPixel(fb->second, u, v), fb->second.format, below);
+  }
+  return below;
+}
+
+std::uint32_t FakeKmsCard::framebufferPixel(const Framebuffer& fb, int x, int y) const {
   std::uint32_t word = 0;
   std::memcpy(&word,
-              buffer.memory.get() + static_cast<std::size_t>(y) * buffer.pitch +
+              buffers_.at(fb.buffer).memory.get() + static_cast<std::size_t>(y) * fb.pitch +
                   static_cast<std::size_t>(x) * 4,
               4);
-  const bool swapped =
-      fb->second.format == DRM_FORMAT_XBGR8888 || fb->second.format == DRM_FORMAT_ABGR8888;
-  if (swapped) word = (word & 0xff00) | (word & 0xff) << 16 | (word >> 16 & 0xff);
-  return word & 0xffffff;
+  const bool swapped = fb.format == DRM_FORMAT_XBGR8888 || fb.format == DRM_FORMAT_ABGR8888;
+  return swapped ? (word & 0xff00ff00) | (word & 0xff) << 16 | (word >> 16 & 0xff) : word;
+}
+
+std::uint64_t FakeKmsCard::planeValue(std::size_t plane, const std::string& name) const {
+  return state_.at(first_plane + static_cast<std::uint32_t>(plane)).values.at(name);
 }
 
 Time FakeKmsCard::nextVblank() const {
@@ -212,9 +254,7 @@ Time FakeKmsCard::nextVblank() const {
 void FakeKmsCard::settle() {
   if (!pending_ || kernel_.now() < pending_->at || !vblanks) return;
   ++flips_;
-  for (const auto& [id, object] : state_)
-    if (object.type == DRM_MODE_OBJECT_PLANE && planes_[object.index].type == 1)
-      on_screen_ = static_cast<std::uint32_t>(object.values.at("FB_ID"));
+  screen_ = state_;
   if (pending_->wants_event)
     for (File* client : clients_)
       if (client == pending_->client) {

@@ -10,6 +10,13 @@
 
 namespace depthscope::fake {
 
+/// Memory that devices share by descriptor.
+struct FakeDmabuf final : FakeFile {
+  explicit FakeDmabuf(std::size_t bytes) : memory(new std::byte[bytes]), size(bytes) {}
+  std::shared_ptr<std::byte[]> memory;
+  std::size_t size;
+};
+
 /// Timings at this size and rate, with blanking as real modes have.
 drm_mode_modeinfo makeMode(int width, int height, double refresh_hz, bool preferred = false);
 
@@ -26,6 +33,8 @@ class FakeKmsCard final : public FakeDevice {
   struct PlaneKind {
     std::uint64_t type = 1;  // 0 overlay, 1 primary, 2 cursor
     std::vector<std::uint32_t> formats{DRM_FORMAT_XRGB8888, DRM_FORMAT_ARGB8888};
+    int zpos = -1;            // -1: the driver does not tell
+    bool has_colors = false;  // COLOR_ENCODING and COLOR_RANGE
   };
 
   /// Puts itself at /dev/dri/`name`, its connectors under /sys/class/drm. One plane of each kind.
@@ -47,13 +56,16 @@ class FakeKmsCard final : public FakeDevice {
   bool refuse_test_of_modes = false;  // TEST_ONLY of anything that sets a mode: EINVAL
   int refused_width = 0;              // modes of this width do not pass the check
   std::set<std::uint32_t> refused_framebuffer_formats;
+  bool planes_work = true;    // false: no commit with two planes passes the check
   bool other_master = false;  // another program is master
 
   // What a test may look at.
   bool lit(std::size_t connector = 0) const;
   const drm_mode_modeinfo* mode() const;  // of the first CRTC that is on
-  /// The primary plane's pixel as the monitor shows it now, 0xRRGGBB.
+  /// A pixel as the monitor shows it now, 0xRRGGBB: all planes that hold RGB, one over the other.
   std::uint32_t pixel(int x, int y);
+  /// A property of the n-th plane as committed.
+  std::uint64_t planeValue(std::size_t plane, const std::string& name) const;
   std::uint64_t flips() const { return flips_; }
   std::uint64_t modesets() const { return modesets_; }
   std::uint64_t probes() const { return probes_; }
@@ -73,7 +85,7 @@ class FakeKmsCard final : public FakeDevice {
     const File* owner;
   };
   struct Framebuffer {
-    std::uint32_t buffer, width, height, format;
+    std::uint32_t buffer, width, height, pitch, format;
     const File* owner;
   };
   struct Blob {
@@ -103,6 +115,7 @@ class FakeKmsCard final : public FakeDevice {
   bool needsModeset(const State& next) const;
   void clientClosed(const File* client);
   void showConsole();
+  std::uint32_t framebufferPixel(const Framebuffer& fb, int x, int y) const;
   void removeFramebuffer(std::uint32_t id);
 
   int ioctl(File& client, unsigned long request, void* argument);
@@ -118,6 +131,7 @@ class FakeKmsCard final : public FakeDevice {
   int createBlob(const File& client, drm_mode_create_blob& b);
   int createDumb(const File& client, drm_mode_create_dumb& d);
   int addFramebuffer(const File& client, drm_mode_fb_cmd2& f);
+  int importDmabuf(const File& client, drm_prime_handle& p);
   int atomicCommit(File& client, const drm_mode_atomic& a);
 
   FakeKernel& kernel_;
@@ -125,7 +139,7 @@ class FakeKmsCard final : public FakeDevice {
   std::vector<Connector> connectors_;
   std::vector<PlaneKind> planes_;
   State state_;                          // as committed
-  std::uint32_t on_screen_ = 0;          // framebuffer of the primary plane since the last vblank
+  State screen_;                         // as scanned out since the last vblank
   std::vector<std::string> properties_;  // id - 1000: name
   std::map<std::uint32_t, Buffer> buffers_;
   std::map<std::uint32_t, Framebuffer> framebuffers_;

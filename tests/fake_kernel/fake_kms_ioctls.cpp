@@ -70,6 +70,10 @@ int FakeKmsCard::ioctl(File& client, unsigned long request, void* argument) {
     }
     case DRM_IOCTL_MODE_DESTROY_DUMB:
       return buffers_.erase(static_cast<drm_mode_destroy_dumb*>(argument)->handle) ? 0 : -EINVAL;
+    case DRM_IOCTL_PRIME_FD_TO_HANDLE:
+      return importDmabuf(client, *static_cast<drm_prime_handle*>(argument));
+    case DRM_IOCTL_GEM_CLOSE:
+      return buffers_.erase(static_cast<drm_gem_close*>(argument)->handle) ? 0 : -EINVAL;
     case DRM_IOCTL_MODE_ADDFB2:
       return addFramebuffer(client, *static_cast<drm_mode_fb_cmd2*>(argument));
     case DRM_IOCTL_MODE_RMFB: {
@@ -180,6 +184,20 @@ int FakeKmsCard::getProperty(drm_mode_get_property& p) {
   const std::string name = propertyName(p.prop_id);
   if (name.empty()) return -ENOENT;
   std::snprintf(p.name, sizeof p.name, "%s", name.c_str());
+  std::vector<drm_mode_property_enum> values;
+  const auto add = [&](std::uint64_t value, const char* text) {
+    drm_mode_property_enum& e = values.emplace_back();
+    e.value = value;
+    std::snprintf(e.name, sizeof e.name, "%s", text);
+  };
+  if (name == "COLOR_ENCODING") {
+    add(4, "ITU-R BT.601 YCbCr");
+    add(5, "ITU-R BT.709 YCbCr");
+  } else if (name == "COLOR_RANGE") {
+    add(7, "YCbCr limited range");
+    add(8, "YCbCr full range");
+  }
+  putList(p.enum_blob_ptr, p.count_enum_blobs, values);
   return 0;
 }
 
@@ -205,10 +223,20 @@ int FakeKmsCard::addFramebuffer(const File& client, drm_mode_fb_cmd2& f) {
   const auto buffer = buffers_.find(f.handles[0]);
   if (buffer == buffers_.end()) return -ENOENT;
   if (refused_framebuffer_formats.contains(f.pixel_format)) return -EINVAL;
-  if (f.pitches[0] < f.width * 4 || std::uint64_t{f.pitches[0]} * f.height > buffer->second.size)
+  const std::uint32_t pixel_bytes = f.pixel_format == DRM_FORMAT_YUYV ? 2 : 4;
+  if (f.pitches[0] < f.width * pixel_bytes ||
+      std::uint64_t{f.pitches[0]} * f.height > buffer->second.size)
     return -EINVAL;
   f.fb_id = next_id_++;
-  framebuffers_[f.fb_id] = {f.handles[0], f.width, f.height, f.pixel_format, &client};
+  framebuffers_[f.fb_id] = {f.handles[0], f.width, f.height, f.pitches[0], f.pixel_format, &client};
+  return 0;
+}
+
+int FakeKmsCard::importDmabuf(const File& client, drm_prime_handle& p) {
+  const auto* dmabuf = dynamic_cast<const FakeDmabuf*>(kernel_.file(p.fd));
+  if (dmabuf == nullptr) return -EBADF;
+  p.handle = next_id_++;
+  buffers_[p.handle] = {dmabuf->memory, 0, 0, 0, dmabuf->size, &client};
   return 0;
 }
 
@@ -274,6 +302,10 @@ int FakeKmsCard::check(const State& next, bool allow_modeset) const {
   for (const auto& [id, object] : next)
     if (object.type == DRM_MODE_OBJECT_CONNECTOR)
       connector_on |= object.values.at("CRTC_ID") == first_crtc;
+  int planes_on = 0;
+  for (const auto& [id, object] : next)
+    if (object.type == DRM_MODE_OBJECT_PLANE) planes_on += object.values.at("FB_ID") != 0;
+  if (planes_on > 1 && !planes_work) return -EINVAL;
   const auto& crtc = next.at(first_crtc).values;
   if (crtc.at("ACTIVE") == 1 && !connector_on) return -EINVAL;
   for (const auto& [id, object] : next)

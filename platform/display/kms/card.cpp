@@ -203,6 +203,20 @@ int Card::properties(std::uint32_t object, std::uint32_t type, Properties& out) 
   return 0;
 }
 
+int Card::enumValues(std::uint32_t property, std::vector<drm_mode_property_enum>& out) const {
+  const int error = readList(out, 0, [&](drm_mode_property_enum* items, std::uint32_t& count) {
+    drm_mode_get_property p{};
+    p.prop_id = property;
+    p.enum_blob_ptr = pointer(items);
+    p.count_enum_blobs = count;
+    const int failed = ioctl(DRM_IOCTL_MODE_GETPROPERTY, &p);
+    count = p.count_enum_blobs;
+    return failed;
+  });
+  for (drm_mode_property_enum& value : out) value.name[sizeof value.name - 1] = '\0';
+  return error;
+}
+
 std::vector<std::string> cardPaths(kernel::SystemCalls& calls) {
   std::vector<std::string> names, paths;
   calls.list(dri_folder, names);

@@ -60,6 +60,9 @@ class Card {
   /// `type`: DRM_MODE_OBJECT_...
   int properties(std::uint32_t object, std::uint32_t type, Properties& out) const;
 
+  /// The values that an enumerated property takes, with their names.
+  int enumValues(std::uint32_t property, std::vector<drm_mode_property_enum>& out) const;
+
   int ioctl(unsigned long request, void* argument) const;
   /// An ioctl that gives something back to the card. When it fails the thing is lost until the card
   /// is closed: leaked() says so.

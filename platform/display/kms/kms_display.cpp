@@ -58,11 +58,38 @@ void KmsDisplay::present(std::int64_t index) {
   if (!output_) return;
   if (flip_) waitForFlip();
   if (!output_) return;
-  const int buffer = freeBuffer();
-  output_->draw(buffer, {memory_.data(), picture_.width, picture_.height, picture_.width * 4},
+  waiting_.reset();
+  Output::Shot shot;
+  shot.buffer = freeOf(&Output::Shot::buffer);
+  output_->draw(shot.buffer, {memory_.data(), picture_.width, picture_.height, picture_.width * 4},
                 copier_);
-  waiting_ = Waiting{buffer, index};
+  waiting_ = Waiting{std::move(shot), index};
   if (!flip_) submit();
+}
+
+bool KmsDisplay::presentFrame(capture::Frame& frame, const DmaPicture& picture,
+                              const LayerView& layer, std::int64_t index) {
+  // The mode is set with a composed picture, so that nothing but planes is new here.
+  if (!output_ || !lit_) return false;
+  if (flip_) waitForFlip();
+  if (!output_) return false;
+  waiting_.reset();
+  Output::Shot shot;
+  const int error = output_->import(picture, shot.picture);
+  noteRoute(error == 0);
+  if (error != 0) return false;
+  shot.layer = freeOf(&Output::Shot::layer);
+  output_->drawLayer(shot.layer, layer);
+  shot.frame = std::move(frame);
+  waiting_ = Waiting{std::move(shot), index};
+  if (!flip_) submit();
+  return true;
+}
+
+void KmsDisplay::noteRoute(bool direct) {
+  if (direct == std::exchange(direct_, direct)) return;
+  log(LogPriority::Info,
+      direct ? "pictures go to the monitor on a plane of their own" : "pictures are composed");
 }
 
 std::optional<ShownPicture> KmsDisplay::takeShown() {
@@ -144,9 +171,9 @@ bool KmsDisplay::changeOutput() {
       std::memcmp(&connector_.modes[*chosen], &output_->modeInfo(), sizeof(drm_mode_modeinfo)) == 0)
     return true;
   retired_ = std::move(output_);
-  front_ = -1;
+  retired_front_ = std::exchange(front_, {});
   waiting_.reset();
-  if (flip_) flip_->buffer = -1;
+  if (flip_) flip_->retired = true;
   const int error = lightOutput();
   if (error != 0) fail(error);
   return error == 0;
@@ -168,19 +195,23 @@ void KmsDisplay::watchMonitor(Time now) {
 
 // ---- Pictures on their way
 
-/// The buffer that is neither on screen nor on its way there; a picture that waits is overwritten.
-int KmsDisplay::freeBuffer() const {
+/// A buffer that is neither on screen nor on its way there.
+int KmsDisplay::freeOf(int Output::Shot::*number) const {
   for (int i = 0;; ++i)
-    if (i != front_ && (!flip_ || i != flip_->buffer)) return i;
+    if (i != front_.*number && (!flip_ || i != flip_->shot.*number)) return i;
 }
 
 void KmsDisplay::submit() {
-  const Waiting picture = *waiting_;
-  const int error = output_->flip(picture.buffer, !lit_, ++serial_);
+  const int error = output_->flip(waiting_->shot, !lit_, ++serial_);
+  if (error == -EINVAL && waiting_->shot.buffer < 0) {
+    output_->refuseRoute();
+    waiting_.reset();
+    return;
+  }
   if (error != 0) return strike(error);
   const Time now = calls_.now();
-  flip_ = Flip{picture.buffer, serial_, picture.index, now,
-               now + (lit_ ? flip_patience : modeset_patience)};
+  flip_ = Flip{std::move(waiting_->shot), false, serial_,
+               waiting_->index,           now,   now + (lit_ ? flip_patience : modeset_patience)};
   waiting_.reset();
   lit_ = true;
 }
@@ -212,7 +243,7 @@ void KmsDisplay::takeEvents() {
     at += header.length;
   }
   if (flip_ && calls_.now() >= flip_->overdue) {
-    front_ = flip_->buffer;
+    if (!flip_->retired) front_ = std::move(flip_->shot);
     flip_.reset();
     strike(-ETIMEDOUT);
   }
@@ -220,9 +251,12 @@ void KmsDisplay::takeEvents() {
 }
 
 void KmsDisplay::completeFlip(Time shown) {
-  front_ = flip_->buffer;
   strikes_ = 0;
-  if (front_ >= 0) retired_.reset();
+  if (!flip_->retired) {
+    front_ = std::move(flip_->shot);
+    retired_front_ = {};
+    retired_.reset();
+  }
   if (shown_count_ == shown_.size()) {
     shown_first_ = (shown_first_ + 1) % shown_.size();
     --shown_count_;
@@ -258,11 +292,12 @@ void KmsDisplay::fail(int error) {
 }
 
 void KmsDisplay::dropOutput() {
-  output_.reset();
-  retired_.reset();
   flip_.reset();
   waiting_.reset();
-  front_ = -1;
+  front_ = {};
+  retired_front_ = {};
+  output_.reset();
+  retired_.reset();
   strikes_ = 0;
 }
 

@@ -23,6 +23,8 @@ class KmsDisplay final : public Display {
 
   std::span<std::uint8_t> acquire(int width, int height) override;
   void present(std::int64_t index) override;
+  bool presentFrame(capture::Frame& frame, const DmaPicture& picture, const LayerView& layer,
+                    std::int64_t index) override;
   DisplayState state() const override { return state_; }
   DisplayMode mode() const override;
   std::optional<ShownPicture> takeShown() override;
@@ -32,14 +34,15 @@ class KmsDisplay final : public Display {
 
   /// A picture that was handed to the driver and is not on screen yet.
   struct Flip {
-    int buffer;  // -1: one of the output before
+    Output::Shot shot;
+    bool retired;  // of the output before
     std::uint64_t serial;
     std::int64_t index;
     Time submitted, overdue;
   };
   /// A picture that is drawn and could not be handed to the driver yet.
   struct Waiting {
-    int buffer;
+    Output::Shot shot;
     std::int64_t index;
   };
 
@@ -56,7 +59,8 @@ class KmsDisplay final : public Display {
   void waitForFlip();
   void submit();
   void strike(int error);
-  int freeBuffer() const;
+  void noteRoute(bool direct);
+  int freeOf(int Output::Shot::*number) const;
 
   void fail(int error);
   void dropOutput();
@@ -75,14 +79,16 @@ class KmsDisplay final : public Display {
   std::optional<drm_mode_crtc> console_;  // what the CRTC showed before us
   std::unique_ptr<Output> output_;
   std::unique_ptr<Output>
-      retired_;       // the one before: on screen until the new one's first picture is
-  bool lit_ = false;  // the mode was set
+      retired_;          // the one before: on screen until the new one's first picture is
+  bool lit_ = false;     // the mode was set
+  bool direct_ = false;  // the last picture went over planes
 
   PictureRate picture_;
   std::vector<std::uint8_t> memory_;  // of the picture that is made
   PictureCopier copier_;
 
-  int front_ = -1;  // buffer on screen; -1: none
+  Output::Shot front_;          // on screen
+  Output::Shot retired_front_;  // of the output before
   std::optional<Flip> flip_;
   std::optional<Waiting> waiting_;
   std::uint64_t serial_ = 0;

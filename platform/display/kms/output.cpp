@@ -56,11 +56,13 @@ int Output::create(Card& card, const Pipeline& pipeline, const drm_mode_modeinfo
   if (const int error = ModeBlob::create(card, mode, made->blob_)) return error;
   int error = -ENOTSUP;
   for (const Format& format : formats) {
-    const auto& offered = pipeline.formats;
+    const auto& offered = pipeline.primary.formats;
     if (std::find(offered.begin(), offered.end(), format.fourcc) == offered.end()) continue;
     made->layout_ = format.layout;
     error = made->createBuffers(format.fourcc);
-    if (error == 0) error = made->commit(0, true, DRM_MODE_ATOMIC_TEST_ONLY, 0);
+    Shot first;
+    first.buffer = 0;
+    if (error == 0) error = made->commit(first, true, DRM_MODE_ATOMIC_TEST_ONLY, 0);
     if (error == 0) {
       output = std::move(made);
       return 0;
@@ -97,19 +99,48 @@ void Output::draw(int buffer, const RgbaView& picture, PictureCopier& copier) {
               {bytes.data(), mode_.hdisplay, mode_.vdisplay, target.memory.pitch(), layout_});
 }
 
-int Output::flip(int buffer, bool modeset, std::uint64_t serial) const {
-  return commit(buffer, modeset, DRM_MODE_ATOMIC_NONBLOCK | DRM_MODE_PAGE_FLIP_EVENT, serial);
+int Output::import(const DmaPicture& picture, ImportedPicture& imported) {
+  if (refused_ && refused_->sameKind(picture)) return -ENOTSUP;
+  const Placement place =
+      placePicture(picture.width, picture.height, mode_.hdisplay, mode_.vdisplay);
+  const bool fits = place.width == picture.width && place.height == picture.height;
+  int error = fits ? ImportedPicture::import(*card_, picture, imported) : -ENOTSUP;
+  if (error == 0 && !(route_ && route_->kind().sameKind(picture))) {
+    route_.reset();
+    error = PlaneRoute::find(*card_, pipeline_, picture, imported.framebuffer(), place.x, place.y,
+                             route_);
+  }
+  // An error of the moment is no refusal: the next picture asks again.
+  if (error == -EINVAL || error == -ENOTSUP || error == -ENOSPC || error == -ERANGE)
+    refused_ = picture;
+  if (error != 0) imported.reset();
+  return error;
 }
 
-int Output::commit(int buffer, bool modeset, std::uint32_t flags, std::uint64_t serial) const {
-  const DumbBuffer& memory = buffers_[static_cast<std::size_t>(buffer)].memory;
+void Output::refuseRoute() {
+  if (route_) refused_ = route_->kind();
+}
+
+int Output::flip(const Shot& shot, bool modeset, std::uint64_t serial) const {
+  return commit(shot, modeset, DRM_MODE_ATOMIC_NONBLOCK | DRM_MODE_PAGE_FLIP_EVENT, serial);
+}
+
+int Output::commit(const Shot& shot, bool modeset, std::uint32_t flags,
+                   std::uint64_t serial) const {
   AtomicRequest request;
   if (modeset) {
     flags |= DRM_MODE_ATOMIC_ALLOW_MODESET;
     pipeline_.light(request, blob_.id());
   }
-  pipeline_.primary.show(request, pipeline_.crtc, memory.framebuffer(), 0, 0, mode_.hdisplay,
-                         mode_.vdisplay);
+  if (shot.buffer < 0) {
+    route_->show(request, shot.picture.framebuffer(), shot.layer);
+  } else {
+    if (route_) route_->hide(request);
+    pipeline_.primary.properties.show(
+        request, pipeline_.crtc,
+        buffers_[static_cast<std::size_t>(shot.buffer)].memory.framebuffer(), 0, 0, mode_.hdisplay,
+        mode_.vdisplay);
+  }
   return request.commit(*card_, flags, serial);
 }
 

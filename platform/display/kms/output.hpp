@@ -2,10 +2,13 @@
 #include <array>
 #include <optional>
 
+#include "capture/frame.hpp"
 #include "platform/display/display.hpp"
 #include "platform/display/kms/dumb_buffer.hpp"
+#include "platform/display/kms/imported_picture.hpp"
 #include "platform/display/kms/mode_choice.hpp"
 #include "platform/display/kms/pipeline.hpp"
+#include "platform/display/kms/plane_route.hpp"
 #include "platform/display/picture_copy.hpp"
 
 namespace depthscope::platform::kms {
@@ -31,6 +34,15 @@ class Output {
  public:
   static constexpr int buffer_count = 3;
 
+  /// What is put on the screen at once: a composed picture in a buffer, or a captured one with a
+  /// buffer of its route's layer.
+  struct Shot {
+    int buffer = -1;  // -1: a captured picture
+    int layer = -1;
+    ImportedPicture picture;
+    capture::Frame frame;  // the picture's memory, kept as long as it is scanned out
+  };
+
   /// Makes the buffers in the first pixel format that the plane takes unchanged from us and proves
   /// the whole by a TEST_ONLY commit. 0 or -errno. The card outlives the output at its place.
   static int create(Card& card, const Pipeline& pipeline, const drm_mode_modeinfo& mode,
@@ -42,13 +54,20 @@ class Output {
 
   /// Writes a picture into a buffer; what the picture does not cover is black.
   void draw(int buffer, const RgbaView& picture, PictureCopier& copier);
-  /// Has a buffer shown from the next vblank on, without waiting; an event with `serial` follows.
+  /// Makes a captured picture known to the card and finds planes for it and a layer. 0 or -errno;
+  /// what was refused once is refused at once the next time.
+  int import(const DmaPicture& picture, ImportedPicture& imported);
+  void drawLayer(int buffer, const LayerView& layer) { route_->draw(buffer, layer); }
+  /// The planes take no more of what import() found a route for.
+  void refuseRoute();
+
+  /// Has it shown from the next vblank on, without waiting; an event with `serial` follows.
   /// `modeset`: lights the monitor in the mode too. 0 or -errno.
-  int flip(int buffer, bool modeset, std::uint64_t serial) const;
+  int flip(const Shot& shot, bool modeset, std::uint64_t serial) const;
 
  private:
   int createBuffers(std::uint32_t fourcc);
-  int commit(int buffer, bool modeset, std::uint32_t flags, std::uint64_t serial) const;
+  int commit(const Shot& shot, bool modeset, std::uint32_t flags, std::uint64_t serial) const;
 
   struct Buffer {
     DumbBuffer memory;
@@ -60,6 +79,8 @@ class Output {
   ModeBlob blob_;
   PixelLayout layout_ = PixelLayout::Bgrx32;
   std::array<Buffer, buffer_count> buffers_;
+  std::unique_ptr<PlaneRoute> route_;
+  std::optional<DmaPicture> refused_;  // a kind of picture that no planes take
 };
 
 }  // namespace depthscope::platform::kms

@@ -57,23 +57,53 @@ int findCrtc(const Card& card, const Connector& connector, std::uint32_t& crtc,
   return crtc != 0 && index < crtcs.size() ? 0 : -ENOTSUP;
 }
 
+/// Reads which numbers the driver has for these names.
+template <std::size_t Count>
+int readEnum(const Card& card, const Properties& p, std::string_view property,
+             const std::array<std::string_view, Count>& names, EnumProperty<Count>& out) {
+  out.id = idOf(p, property);
+  if (out.id == 0) return 0;
+  std::vector<drm_mode_property_enum> offered;
+  if (const int error = card.enumValues(out.id, offered)) return error;
+  for (const drm_mode_property_enum& value : offered)
+    for (std::size_t i = 0; i < Count; ++i)
+      if (names[i] == value.name) out.values[i] = value.value;
+  return 0;
+}
+
+int readPlane(const Card& card, Plane& plane, std::uint32_t crtc, PlaneUnit& unit) {
+  Properties p;
+  if (const int error = card.properties(plane.id, DRM_MODE_OBJECT_PLANE, p)) return error;
+  unit.properties = planeProperties(plane.id, p);
+  unit.primary = valueOf(p, "type") == primary_plane;
+  unit.in_use = plane.crtc == crtc;
+  unit.formats = std::move(plane.formats);
+  if (p.contains("zpos")) unit.zpos = valueOf(p, "zpos");
+  const int error = readEnum<4>(
+      card, p, "COLOR_ENCODING",
+      {"RGB", "ITU-R BT.601 YCbCr", "ITU-R BT.709 YCbCr", "ITU-R BT.2020 YCbCr"}, unit.encoding);
+  if (error != 0) return error;
+  return readEnum<2>(card, p, "COLOR_RANGE", {"YCbCr limited range", "YCbCr full range"},
+                     unit.range);
+}
+
 int findPlanes(const Card& card, std::uint32_t crtc_index, Pipeline& out) {
   std::vector<Plane> planes;
   if (const int error = card.planes(planes)) return error;
+  bool found = false;
   for (Plane& plane : planes) {
-    if ((plane.possible_crtcs >> crtc_index & 1) == 0) continue;
-    Properties p;
-    if (const int error = card.properties(plane.id, DRM_MODE_OBJECT_PLANE, p)) return error;
-    const PlaneProperties found = planeProperties(plane.id, p);
-    if (out.primary.plane == 0 && valueOf(p, "type") == primary_plane &&
-        (plane.crtc == 0 || plane.crtc == out.crtc)) {
-      out.primary = found;
-      out.formats = std::move(plane.formats);
-    } else if (plane.crtc == out.crtc) {
-      out.planes_in_use.push_back(found);
+    const bool ours = plane.crtc == 0 || plane.crtc == out.crtc;
+    if ((plane.possible_crtcs >> crtc_index & 1) == 0 || !ours) continue;
+    PlaneUnit unit;
+    if (const int error = readPlane(card, plane, out.crtc, unit)) return error;
+    if (unit.primary && !found) {
+      found = true;
+      out.primary = std::move(unit);
+    } else {
+      out.others.push_back(std::move(unit));
     }
   }
-  return out.primary.plane != 0 ? 0 : -ENOTSUP;
+  return found ? 0 : -ENOTSUP;
 }
 
 int findOtherConnectors(const Card& card, Pipeline& out) {
@@ -114,7 +144,8 @@ void PlaneProperties::hide(AtomicRequest& request) const {
 void Pipeline::light(AtomicRequest& request, std::uint32_t mode_blob) const {
   constexpr std::uint64_t link_good = DRM_MODE_LINK_STATUS_GOOD;
   for (const auto& [other, property] : connectors_in_use) request.add(other, property, 0);
-  for (const PlaneProperties& plane : planes_in_use) plane.hide(request);
+  for (const PlaneUnit& plane : others)
+    if (plane.in_use) plane.properties.hide(request);
   request.add(connector.id, connector_crtc, crtc);
   request.add(connector.id, connector_link_status, link_good);
   request.add(crtc, crtc_mode, mode_blob);

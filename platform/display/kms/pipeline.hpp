@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "platform/display/kms/atomic_request.hpp"
 
 namespace depthscope::platform::kms {
@@ -16,15 +18,32 @@ struct PlaneProperties {
   void hide(AtomicRequest& request) const;
 };
 
+/// A property that takes one of a few named values.
+template <std::size_t Count>
+struct EnumProperty {
+  std::uint32_t id = 0;                                    // 0: the driver does not have it
+  std::array<std::optional<std::uint64_t>, Count> values;  // none: the driver does not know it
+};
+
+/// All that is known of a plane.
+struct PlaneUnit {
+  PlaneProperties properties;
+  bool primary = false;
+  bool in_use = false;  // somebody left it on our CRTC
+  std::vector<std::uint32_t> formats;
+  std::optional<std::uint64_t> zpos;  // the higher lies above
+  EnumProperty<4> encoding;           // by DmaPicture::Encoding
+  EnumProperty<2> range;              // limited, full
+};
+
 /// The way from a framebuffer to the monitor: a primary plane, a CRTC, a connector.
 struct Pipeline {
   Connector connector;
   std::uint32_t crtc = 0;
   std::uint32_t crtc_mode = 0, crtc_active = 0;                 // property ids
   std::uint32_t connector_crtc = 0, connector_link_status = 0;  // property ids; the latter may be 0
-  PlaneProperties primary;
-  std::vector<std::uint32_t> formats;          // of the primary plane
-  std::vector<PlaneProperties> planes_in_use;  // others that somebody left on this CRTC
+  PlaneUnit primary;
+  std::vector<PlaneUnit> others;  // that this CRTC can have and no other one has
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       connectors_in_use;  // likewise: id, its CRTC_ID
 

@@ -1,0 +1,191 @@
+// Captured pictures on a plane of their own, the overlay on another.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "kms_fixture.hpp"
+
+namespace depthscope::platform {
+namespace {
+
+using fake::FakeKmsCard;
+using fake::makeMode;
+using std::chrono::milliseconds;
+
+class KmsPlanesTest : public KmsDisplayTest {
+ protected:
+  KmsPlanesTest() {
+    plugPlanes({{1, {DRM_FORMAT_XRGB8888}}, {0, {DRM_FORMAT_ARGB8888}}});
+    layer.assign(width * height * 4, 0);
+  }
+  void plugPlanes(std::vector<FakeKmsCard::PlaneKind> planes) {
+    display.reset();
+    card.reset();
+    card = std::make_unique<FakeKmsCard>(
+        kernel, "card0",
+        std::vector<FakeKmsCard::Connector>{
+            {DRM_MODE_CONNECTOR_HDMIA,
+             1,
+             true,
+             {makeMode(128, 96, 60, true), makeMode(width, height, 60)}}},
+        std::move(planes));
+  }
+  /// A turn with a captured picture of one colour and a layer with one pixel in it, half
+  /// transparent, at (spot, 1). True when the planes took it.
+  bool planesTurn(std::uint32_t rgb, int spot, std::uint32_t fourcc = DRM_FORMAT_XRGB8888) {
+    bool taken = false;
+    if (!display->acquire(width, height).empty()) {
+      capture::Frame frame = pool->acquire();
+      EXPECT_FALSE(frame.empty()) << "a frame was not given back";
+      auto buffer = std::make_unique<fake::FakeDmabuf>(width * height * 4);
+      for (std::size_t i = 0; i < buffer->size; i += 4) std::memcpy(&buffer->memory[i], &rgb, 4);
+      const kernel::OwnedFd fd(kernel, kernel.install(std::move(buffer)));
+      const std::size_t at = static_cast<std::size_t>(width + spot) * 4;
+      std::fill(layer.begin(), layer.end(), std::uint8_t{0});
+      layer[at] = 0x40;  // red, premultiplied
+      layer[at + 3] = 0x80;
+      DmaPicture picture;
+      picture.fourcc = fourcc;
+      picture.width = width;
+      picture.height = height;
+      picture.planes[0] = {fd.get(), 0, width * 4};
+      if (fourcc == DRM_FORMAT_YUYV) {
+        picture.encoding = DmaPicture::Encoding::Bt709;
+        picture.full_range = false;
+      }
+      const LayerView view{layer.data(), width, height, {spot, 1, spot + 1, 2}};
+      taken = display->presentFrame(frame, picture, view, ++index);
+      EXPECT_EQ(frame.empty(), taken);
+      if (!taken) offer(rgb);
+    }
+    kernel.advance(frame_time);
+    return taken;
+  }
+
+  std::shared_ptr<capture::FramePool> pool =
+      capture::FramePool::create({capture::PixelFormat::Rgba32, width, height}, 4);
+  std::vector<std::uint8_t> layer;
+};
+
+TEST_F(KmsPlanesTest, ThePictureIsScannedOutFromWhereItWasCapturedWithTheLayerAboveIt) {
+  makeDisplay();
+  for (int i = 0; i < 3; ++i) turn(1);
+  for (int i = 0; i < 12; ++i) {
+    const auto rgb = static_cast<std::uint32_t>(0x204060 + i);
+    EXPECT_TRUE(planesTurn(rgb, i));
+    EXPECT_EQ(card->pixel(20, 20), rgb);
+    EXPECT_EQ(card->pixel(i, 1) >> 16, 0x40u + 0x20 * 127 / 255);
+    if (i > 0) {  // nothing is left of earlier layers
+      EXPECT_EQ(card->pixel(i - 1, 1), rgb);
+    }
+  }
+  EXPECT_EQ(card->modesets(), 1u);
+  display.reset();
+  expectClean();
+  std::vector<capture::Frame> all;
+  for (int i = 0; i < 4; ++i) EXPECT_FALSE(all.emplace_back(pool->acquire()).empty());
+}
+
+TEST_F(KmsPlanesTest, ComposedPicturesTakeTheScreenBackWithoutAModeset) {
+  makeDisplay();
+  for (int i = 0; i < 3; ++i) turn(1);
+  for (int i = 0; i < 3; ++i) planesTurn(2, 5);
+  for (int i = 0; i < 2; ++i) turn(3);
+  EXPECT_EQ(card->pixel(5, 1), 3u);
+  EXPECT_EQ(card->planeValue(1, "FB_ID"), 0u);
+  EXPECT_TRUE(planesTurn(4, 5));
+  EXPECT_EQ(card->pixel(0, 0), 4u);
+  EXPECT_EQ(card->modesets(), 1u);
+  EXPECT_EQ(card->timesSwitchedOff(), 0u);
+}
+
+TEST_F(KmsPlanesTest, ADriverThatSaysNoIsAskedOnce) {
+  card->planes_work = false;
+  makeDisplay();
+  for (int i = 0; i < 3; ++i) turn(1);
+  EXPECT_FALSE(planesTurn(2, 1));
+  const auto calls = kernel.calls();
+  EXPECT_FALSE(planesTurn(3, 1));
+  EXPECT_LE(kernel.calls() - calls, 10u);
+  EXPECT_EQ(card->pixel(0, 0), 3u);
+  EXPECT_EQ(card->timesSwitchedOff(), 0u);
+}
+
+TEST_F(KmsPlanesTest, PlanesThatLieTheWrongWayRoundAreNotTaken) {
+  plugPlanes({{1, {DRM_FORMAT_XRGB8888}, 3}, {0, {DRM_FORMAT_ARGB8888}, 1}});
+  makeDisplay();
+  for (int i = 0; i < 3; ++i) turn(1);
+  EXPECT_FALSE(planesTurn(2, 1));
+  // An overlay below the primary plane can hold the picture, and the primary plane the layer.
+  plugPlanes({{1, {DRM_FORMAT_XRGB8888, DRM_FORMAT_ARGB8888}, 3}, {0, {DRM_FORMAT_XRGB8888}, 1}});
+  makeDisplay();
+  for (int i = 0; i < 3; ++i) turn(1);
+  EXPECT_TRUE(planesTurn(0x202020, 1));
+  EXPECT_EQ(card->pixel(9, 9), 0x202020u);
+}
+
+TEST_F(KmsPlanesTest, YuvGoesOnlyToPlanesThatCanBeToldItsColours) {
+  plugPlanes({{1, {DRM_FORMAT_XRGB8888, DRM_FORMAT_YUYV}}, {0, {DRM_FORMAT_ARGB8888}}});
+  makeDisplay();
+  for (int i = 0; i < 3; ++i) turn(1);
+  EXPECT_FALSE(planesTurn(2, 1, DRM_FORMAT_YUYV));
+  plugPlanes({{1, {DRM_FORMAT_XRGB8888, DRM_FORMAT_YUYV}, -1, true}, {0, {DRM_FORMAT_ARGB8888}}});
+  makeDisplay();
+  for (int i = 0; i < 3; ++i) turn(1);
+  EXPECT_TRUE(planesTurn(2, 1, DRM_FORMAT_YUYV));
+  EXPECT_EQ(card->planeValue(0, "COLOR_ENCODING"), 5u);
+  EXPECT_EQ(card->planeValue(0, "COLOR_RANGE"), 7u);
+}
+
+TEST_F(KmsPlanesTest, APictureLargerThanTheModeIsComposed) {
+  settings.mode = "64x48";
+  makeDisplay();
+  for (int i = 0; i < 3; ++i) turn(1, 128, 96);
+  capture::Frame frame = pool->acquire();
+  DmaPicture picture;
+  picture.fourcc = DRM_FORMAT_XRGB8888;
+  picture.width = 128;
+  picture.height = 96;
+  ASSERT_FALSE(display->acquire(128, 96).empty());
+  EXPECT_FALSE(display->presentFrame(frame, picture, {layer.data(), 128, 96, {}}, 5));
+  EXPECT_FALSE(frame.empty());
+}
+
+TEST_F(KmsPlanesTest, SurvivesAFaultOfAnyCall) {
+  const auto session = [&] {
+    for (int i = 0; i < 3; ++i) turn(1);
+    for (int i = 0; i < 5; ++i) planesTurn(2, i);
+    turn(3);
+    planesTurn(4, 1);
+  };
+  makeDisplay();
+  const auto start = kernel.calls();
+  session();
+  const auto calls = kernel.calls() - start;
+  display.reset();
+  expectClean();
+  int injected = 0;
+  for (const int error : {EIO, ENODEV, EAGAIN, EINTR, EINVAL, EBUSY, EACCES})
+    for (const bool forever : {false, true})
+      for (std::uint64_t k = 1; k <= calls; ++k) {
+        SCOPED_TRACE(testing::Message() << "call " << k << " errno " << error << " " << forever);
+        makeDisplay();
+        kernel.inject({kernel.calls() + k, forever, fake::FaultPlan::Kind::Error, error});
+        session();
+        ++injected;
+        kernel.inject({});
+        const auto lifted = kernel.now();
+        const std::uint32_t color = 0x700000 + static_cast<std::uint32_t>(k);
+        while (card->pixel(40, 30) != color && kernel.now() < lifted + milliseconds(600))
+          planesTurn(color, 1);
+        ASSERT_EQ(card->pixel(40, 30), color);
+        ASSERT_LE(kernel.now() - lifted, milliseconds(500));
+        display.reset();
+        expectClean();
+        if (HasFailure()) return;
+      }
+  std::printf("faults injected and survived: %d\n", injected);
+}
+
+}  // namespace
+}  // namespace depthscope::platform

@@ -28,7 +28,8 @@ struct DisplaySettings {
   std::string path;                // video file to write, for kind "file"
   std::string device = "auto";     // card or framebuffer, e.g. /dev/dri/card0, /dev/fb0
   std::string connector = "auto";  // of the card, e.g. HDMI-A-1; auto: the first with a monitor
-  std::string mode = "auto";       // of the monitor, e.g. 1920x1080@60; auto: what fits the picture
+  bool planes = true;         // captured pictures on a hardware plane of their own, if possible
+  std::string mode = "auto";  // of the monitor, e.g. 1920x1080@60; auto: what fits the picture
 };
 
 /// The daemon itself: control, supervision, priority.

@@ -75,7 +75,7 @@ void VideoLoop::run(const std::stop_token& stop) {
 
 bool VideoLoop::turn() {
   const AllocationScope scope;
-  const capture::ReadResult result = parts_.source.read(readTimeout(parts_.source.fps()));
+  capture::ReadResult result = parts_.source.read(readTimeout(parts_.source.fps()));
   VideoReport& report = parts_.report;
   report.source_status.store(static_cast<std::uint8_t>(result.status), std::memory_order_relaxed);
   if (result.status == SourceStatus::EndOfStream) return false;
@@ -111,7 +111,7 @@ void VideoLoop::noteSource(const capture::ReadResult& result) {
       parts_.report.source_note.put(result.status, {text.data(), static_cast<std::size_t>(length)});
 }
 
-void VideoLoop::showPicture(const capture::Frame& frame) {
+void VideoLoop::showPicture(capture::Frame& frame) {
   FrameTimes times;
   times.sequence = frame.sequence;
   times.captured = frame.capture_time;
@@ -122,27 +122,80 @@ void VideoLoop::showPicture(const capture::Frame& frame) {
   parts_.layers.request({++requests_, width_, height_, frame.damaged, frame.capture_time});
   // Fault pictures were counted too.
   shown_ = std::max(shown_ + 1, static_cast<std::int64_t>(frame.sequence));
-  capture::toRgba(frame, picture_);
-  last_picture_ = times.dequeued;
+  const auto dma = parts_.display.takesFrames() ? dmaPicture(frame) : std::nullopt;
+  if (!dma) capture::toRgba(frame, picture_);
   times.uploaded = parts_.system.now();
 
   const auto out = parts_.display.acquire(width_, height_);
-  if (out.empty()) {
-    parts_.report.given_up.fetch_add(1, std::memory_order_relaxed);
-    return;
-  }
+  if (out.empty()) return giveUp(frame, times);
   const double fps = parts_.source.fps() > 0 ? parts_.source.fps() : usual_fps;
   layer_ = parts_.layers.newest(times.dequeued +
                                 toNanoseconds(static_cast<double>(settings_.overlay_wait) / fps));
   times.overlaid = parts_.system.now();
-  compose(frame, out, times);
-  times.composited = parts_.system.now();
-  present(out);
-  times.submitted = parts_.system.now();
+  const OverlayLayer* layer = usableLayer(frame.capture_time);
+  noteLayer(layer, times);
+  if (!dma || !presentDirect(frame, *dma, layer, out, times)) {
+    if (frame.empty()) return giveUp(frame, times);
+    if (dma) capture::toRgba(frame, picture_);
+    compose(layer, out);
+    times.composited = parts_.system.now();
+    present(out);
+    times.submitted = parts_.system.now();
+  }
+  last_picture_ = times.dequeued;
   submitted_[static_cast<std::size_t>(shown_) % submitted_.size()] = {shown_, times.captured};
   parts_.report.frames.fetch_add(1, std::memory_order_relaxed);
   takeShown();
   account(times);
+}
+
+/// The display does not take the picture. It is the last one all the same.
+void VideoLoop::giveUp(const capture::Frame& frame, const FrameTimes& times) {
+  if (!frame.empty()) {
+    capture::toRgba(frame, picture_);
+    last_picture_ = times.dequeued;
+  }
+  parts_.report.given_up.fetch_add(1, std::memory_order_relaxed);
+}
+
+/// Gives the display the picture itself, where its hardware can lay the overlay over it. What else
+/// the picture is wanted for comes after that.
+bool VideoLoop::presentDirect(capture::Frame& frame, const DmaPicture& dma,
+                              const OverlayLayer* layer, std::span<std::uint8_t> out,
+                              FrameTimes& times) {
+  const LayerView view = layer != nullptr
+                             ? LayerView{layer->pixels.data(), width_, height_, layer->rect}
+                             : markLayer();
+  const capture::Frame* held = parts_.display.presentFrame(frame, dma, view, shown_);
+  if (held == nullptr) return false;
+  times.composited = times.submitted = parts_.system.now();
+  parts_.report.presented.fetch_add(1, std::memory_order_release);
+  capture::toRgba(*held, picture_);
+  if (parts_.requests.pictureWanted()) {
+    compose(layer, out);
+    parts_.requests.offerPicture({out.data(), width_, height_, width_ * 4});
+  }
+  return true;
+}
+
+/// A layer with nothing in it but the mark that says that there is no overlay.
+LayerView VideoLoop::markLayer() {
+  if (mark_layer_.size() < byteCount(width_, height_))
+    mark_layer_.resize(byteCount(width_, height_));
+  const overlay::Mark mark = missingMark();
+  const overlay::PixelRect rect =
+      painter_.markRect(width_, height_, mark, {}).clipped({0, 0, width_, height_});
+  for (int y = rect.y0; y < rect.y1; ++y)
+    std::fill_n(mark_layer_.begin() + static_cast<std::ptrdiff_t>(byteCount(width_, y)) +
+                    std::ptrdiff_t{4} * rect.x0,
+                4 * rect.width(), std::uint8_t{0});
+  painter_.paintMarkOnLayer(mark, {}, width_, height_, mark_layer_, rect);
+  return {mark_layer_.data(), width_, height_, rect};
+}
+
+/// What is said while there is no overlay to show.
+overlay::Mark VideoLoop::missingMark() const {
+  return layer_ != nullptr ? overlay::Mark::Stale : overlay::Mark::NoAr;
 }
 
 /// What the display has learnt meanwhile about when earlier pictures were on the glass.
@@ -156,25 +209,20 @@ void VideoLoop::takeShown() {
 }
 
 /// The newest overlay, if it fits the picture and its pose is not too old for it.
-const OverlayLayer* VideoLoop::usableLayer(const capture::Frame& frame) const {
+const OverlayLayer* VideoLoop::usableLayer(Time captured) const {
   if (layer_ == nullptr || layer_->width != width_ || layer_->height != height_) return nullptr;
   const bool by_pose = layer_->status == overlay::Status::Tracking;
   const Time from = by_pose ? layer_->pose_captured : layer_->captured;
-  const duration<float, std::milli> age = frame.capture_time - from;
+  const duration<float, std::milli> age = captured - from;
   return age.count() <= settings_.max_age_ms ? layer_ : nullptr;
 }
 
 /// Lays the overlay over the picture, or else a mark that says that there is none.
-void VideoLoop::compose(const capture::Frame& frame, std::span<std::uint8_t> out,
-                        FrameTimes& times) {
+void VideoLoop::compose(const OverlayLayer* layer, std::span<std::uint8_t> out) {
   const std::size_t row = byteCount(width_, 1);
-  const OverlayLayer* layer = usableLayer(frame);
   if (layer == nullptr) {
     std::memcpy(out.data(), picture_.data(), byteCount(width_, height_));
-    const bool was = layer_ != nullptr;
-    const auto status = was ? overlay::Status::Stale : overlay::Status::NoAr;
-    painter_.paintMark(was ? overlay::Mark::Stale : overlay::Mark::NoAr, {}, out, width_, height_);
-    times.overlay_status = static_cast<std::uint8_t>(status);
+    painter_.paintMark(missingMark(), {}, out, width_, height_);
     return;
   }
   for (int y = 0; y < height_; ++y) {
@@ -184,12 +232,20 @@ void VideoLoop::compose(const capture::Frame& frame, std::span<std::uint8_t> out
     else
       std::memcpy(out.data() + at, picture_.data() + at, row);
   }
+}
+
+void VideoLoop::noteLayer(const OverlayLayer* layer, FrameTimes& times) {
+  if (layer == nullptr) {
+    const auto status = layer_ != nullptr ? overlay::Status::Stale : overlay::Status::NoAr;
+    times.overlay_status = static_cast<std::uint8_t>(status);
+    return;
+  }
   times.overlay_status = static_cast<std::uint8_t>(layer->status);
   if (!layer->drawn) parts_.report.overlay_failures.fetch_add(1, std::memory_order_relaxed);
   if (layer->number != requests_)
     parts_.report.late_overlays.fetch_add(1, std::memory_order_relaxed);
   if (layer->status != overlay::Status::Tracking) return;
-  const duration<float, std::milli> age = frame.capture_time - layer->pose_captured;
+  const duration<float, std::milli> age = times.captured - layer->pose_captured;
   times.overlay_age_ms = std::max(age.count(), 0.0f);
 }
 

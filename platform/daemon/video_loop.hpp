@@ -57,11 +57,17 @@ class VideoLoop {
     Time captured{};
   };
 
-  void showPicture(const capture::Frame& frame);
+  void showPicture(capture::Frame& frame);
+  void giveUp(const capture::Frame& frame, const FrameTimes& times);
+  bool presentDirect(capture::Frame& frame, const DmaPicture& dma, const OverlayLayer* layer,
+                     std::span<std::uint8_t> out, FrameTimes& times);
+  LayerView markLayer();
+  overlay::Mark missingMark() const;
   void showFault(capture::SourceStatus status);
   void resize(int width, int height);
-  const OverlayLayer* usableLayer(const capture::Frame& frame) const;
-  void compose(const capture::Frame& frame, std::span<std::uint8_t> out, FrameTimes& times);
+  const OverlayLayer* usableLayer(Time captured) const;
+  void compose(const OverlayLayer* layer, std::span<std::uint8_t> out);
+  void noteLayer(const OverlayLayer* layer, FrameTimes& times);
   void present(std::span<std::uint8_t> picture);
   void account(const FrameTimes& times);
   void takeShown();
@@ -73,7 +79,8 @@ class VideoLoop {
   overlay::StatusPainter painter_;
   std::vector<std::uint8_t> picture_;  // the last one, R G B A, without overlay
   std::vector<std::uint8_t> gray_;
-  int width_ = 0, height_ = 0;  // [px] of the last picture: fault pictures have its size
+  std::vector<std::uint8_t> mark_layer_;  // for displays that lay overlays over by themselves
+  int width_ = 0, height_ = 0;            // [px] of the last picture: fault pictures have its size
   const int camera_width_, camera_height_;  // [px] that the camera file is for
   std::int64_t shown_ = -1;                 // last picture's time in nominal frame times
   std::array<Submitted, 16> submitted_{};   // the last pictures, by index

@@ -27,6 +27,11 @@ std::optional<VideoRequests::Snapshot> VideoRequests::snapshot() {
   return snapshot_;
 }
 
+bool VideoRequests::pictureWanted() {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  return lock.owns_lock() && wanted_ && !ready_;
+}
+
 void VideoRequests::offerPicture(const RgbaView& picture) {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock() || !wanted_ || ready_) return;

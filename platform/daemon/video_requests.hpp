@@ -34,6 +34,7 @@ class VideoRequests {
   void setPictureBytes(std::size_t bytes) {
     picture_bytes_.store(bytes, std::memory_order_relaxed);
   }
+  bool pictureWanted();
   /// Copies the picture if one is asked for. Does not allocate.
   void offerPicture(const RgbaView& picture);
 

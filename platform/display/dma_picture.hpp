@@ -1,7 +1,9 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 
+#include "capture/frame.hpp"
 #include "overlay/pixel_rect.hpp"
 
 namespace depthscope::platform {
@@ -30,6 +32,9 @@ struct DmaPicture {
            full_range == other.full_range;
   }
 };
+
+/// Where a captured picture lies for a display, if it lies in DMABUFs and displays know its format.
+std::optional<DmaPicture> dmaPicture(const capture::Frame& frame);
 
 /// An overlay on its own: premultiplied R G B A, rows packed, transparent outside of `rect`.
 struct LayerView {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "capture/pixel_convert.hpp"
+#include "overlay/blend.hpp"
 #include "platform/daemon/layer_painter.hpp"
 #include "platform/daemon/video_loop.hpp"
 #include "platform/ipc/surface_mailbox.hpp"
@@ -61,6 +62,7 @@ class ScriptedSource final : public capture::FrameSource {
     if (entry.status != capture::SourceStatus::Ok) return {entry.status, {}, false};
     return {capture::SourceStatus::Ok, picture(entry), false};
   }
+  bool dma = false;  // pictures lie in memory that displays can read
   capture::FrameFormat format() const override { return format_; }
   double fps() const override { return 30; }
   std::uint64_t skipped() const override { return 0; }
@@ -86,6 +88,7 @@ class ScriptedSource final : public capture::FrameSource {
     frame.sequence = entry.sequence;
     frame.capture_time = entry.at;
     frame.damaged = entry.damaged;
+    if (dma) frame.dma.fill({7, 0});
     return frame;
   }
 
@@ -117,6 +120,23 @@ class RecordingDisplay final : public Display {
     system_.advance(milliseconds(2));
     if (keep) shown.push_back({system_.now(), index, width_, height_, buffer_});
   }
+  bool takesFrames() const override { return planes; }
+  const capture::Frame* presentFrame(capture::Frame& frame, const DmaPicture&,
+                                     const LayerView& layer, std::int64_t index) override {
+    if (refuse) return nullptr;
+    held_ = std::move(frame);
+    if (lose) return held_ = {}, nullptr;
+    std::vector<std::uint8_t> screen(buffer_.size());
+    capture::toRgba(held_, screen);
+    for (int y = layer.rect.y0; y < layer.rect.y1; ++y) {
+      const std::ptrdiff_t at = (static_cast<std::ptrdiff_t>(y) * layer.width + layer.rect.x0) * 4;
+      overlay::blendRow(layer.pixels + at, screen.data() + at, screen.data() + at,
+                        layer.rect.width());
+    }
+    shown.push_back({system_.now(), index, width_, height_, std::move(screen)});
+    ++direct;
+    return &held_;
+  }
   DisplayState state() const override { return DisplayState::Ok; }
   std::optional<ShownPicture> takeShown() override {
     if (shown.size() <= told_) return std::nullopt;
@@ -125,6 +145,9 @@ class RecordingDisplay final : public Display {
   }
 
   bool busy = false, keep = true;
+  bool planes = false;                // lays overlays over captured pictures by itself
+  bool refuse = false, lose = false;  // how it answers to a frame
+  int direct = 0;                     // pictures shown so
   std::vector<Shown> shown;
 
  private:
@@ -132,6 +155,7 @@ class RecordingDisplay final : public Display {
   std::size_t told_ = 0;
   int width_ = 0, height_ = 0;
   std::vector<std::uint8_t> buffer_;
+  capture::Frame held_;
 };
 
 /// Draws overlays in the loop's own thread, for they are then there at once and always the same.

@@ -112,6 +112,46 @@ TEST_F(VideoLoopTest, AGraphicsDriverThatHangsCostsTheOverlayAndNotThePicture) {
   EXPECT_GT(differences(last().pixels, plainPicture(35), below_mark, 120), 500);
 }
 
+TEST_F(VideoLoopTest, ADisplayThatLaysOverlaysOverByItselfShowsTheSame) {
+  startAr();
+  for (int i = 0; i < 6; ++i) showPicture(true);
+  const auto composed = last().pixels;
+  SetUp();
+  source.dma = display.planes = true;
+  for (int i = 0; i < 6; ++i) showPicture(true);
+  EXPECT_EQ(display.direct, 6);
+  // The pattern of the pictures moves on by one each: the overlay's own pixels are compared by how
+  // much of the picture they leave.
+  EXPECT_EQ(differences(last().pixels, plainPicture(36), below_mark, 120),
+            differences(composed, plainPicture(30), below_mark, 120));
+  link.setAlive(false);
+  showPicture(true);
+  EXPECT_EQ(differences(last().pixels, plainPicture(37), below_mark, 120), 0);
+  EXPECT_GT(differences(last().pixels, plainPicture(37), 0, below_mark), 100) << "the mark";
+}
+
+TEST_F(VideoLoopTest, WhatTheDisplaysPlanesDoNotTakeIsComposed) {
+  source.dma = display.planes = true;
+  showPicture(false);
+  display.refuse = true;
+  showPicture(false);
+  EXPECT_EQ(display.direct, 1);
+  EXPECT_EQ(differences(last().pixels, plainPicture(1), below_mark, 120), 0);
+  display.refuse = false;
+  display.lose = true;
+  const auto given_up = report.given_up.load();
+  showPicture(false);
+  EXPECT_EQ(report.given_up.load(), given_up + 1);
+  display.lose = false;
+  showPicture(false);
+  EXPECT_EQ(display.direct, 2);
+  // The last picture stays, marked, when no new one comes: it went past the processor, but not out
+  // of reach.
+  const auto plain = plainPicture(3);
+  ASSERT_TRUE(loop->turn());
+  EXPECT_EQ(last().pixels[pixelAt(1, 110, 160)], plain[pixelAt(1, 110, 160)] / 2);
+}
+
 TEST_F(VideoLoopTest, AMissingPictureIsMarkedWithin100msAndThenReplacedByAFaultPicture) {
   showPicture(false);
   const Time last_picture = last().at;

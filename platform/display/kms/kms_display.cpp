@@ -67,23 +67,27 @@ void KmsDisplay::present(std::int64_t index) {
   if (!flip_) submit();
 }
 
-bool KmsDisplay::presentFrame(capture::Frame& frame, const DmaPicture& picture,
-                              const LayerView& layer, std::int64_t index) {
+const capture::Frame* KmsDisplay::presentFrame(capture::Frame& frame, const DmaPicture& picture,
+                                               const LayerView& layer, std::int64_t index) {
   // The mode is set with a composed picture, so that nothing but planes is new here.
-  if (!output_ || !lit_) return false;
+  if (!settings_.planes || !output_ || !lit_) return nullptr;
   if (flip_) waitForFlip();
-  if (!output_) return false;
+  if (!output_) return nullptr;
   waiting_.reset();
   Output::Shot shot;
   const int error = output_->import(picture, shot.picture);
   noteRoute(error == 0);
-  if (error != 0) return false;
+  if (error != 0) return nullptr;
   shot.layer = freeOf(&Output::Shot::layer);
   output_->drawLayer(shot.layer, layer);
   shot.frame = std::move(frame);
   waiting_ = Waiting{std::move(shot), index};
-  if (!flip_) submit();
-  return true;
+  if (flip_) return &waiting_->shot.frame;
+  submit();
+  if (flip_) return &flip_->shot.frame;
+  if (waiting_) return &waiting_->shot.frame;
+  frame = std::exchange(refused_frame_, {});
+  return nullptr;
 }
 
 void KmsDisplay::noteRoute(bool direct) {
@@ -205,6 +209,7 @@ void KmsDisplay::submit() {
   const int error = output_->flip(waiting_->shot, !lit_, ++serial_);
   if (error == -EINVAL && waiting_->shot.buffer < 0) {
     output_->refuseRoute();
+    refused_frame_ = std::move(waiting_->shot.frame);
     waiting_.reset();
     return;
   }
@@ -248,6 +253,7 @@ void KmsDisplay::takeEvents() {
     strike(-ETIMEDOUT);
   }
   if (output_ && !flip_ && waiting_) submit();
+  refused_frame_ = {};
 }
 
 void KmsDisplay::completeFlip(Time shown) {

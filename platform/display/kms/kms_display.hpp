@@ -23,8 +23,9 @@ class KmsDisplay final : public Display {
 
   std::span<std::uint8_t> acquire(int width, int height) override;
   void present(std::int64_t index) override;
-  bool presentFrame(capture::Frame& frame, const DmaPicture& picture, const LayerView& layer,
-                    std::int64_t index) override;
+  bool takesFrames() const override { return settings_.planes; }
+  const capture::Frame* presentFrame(capture::Frame& frame, const DmaPicture& picture,
+                                     const LayerView& layer, std::int64_t index) override;
   DisplayState state() const override { return state_; }
   DisplayMode mode() const override;
   std::optional<ShownPicture> takeShown() override;
@@ -91,6 +92,7 @@ class KmsDisplay final : public Display {
   Output::Shot retired_front_;  // of the output before
   std::optional<Flip> flip_;
   std::optional<Waiting> waiting_;
+  capture::Frame refused_frame_;  // that the planes would not take, to be given back at once
   std::uint64_t serial_ = 0;
   int strikes_ = 0;  // commits and flips that failed one after the other
 

@@ -111,8 +111,9 @@ int Output::import(const DmaPicture& picture, ImportedPicture& imported) {
                              route_);
   }
   // An error of the moment is no refusal: the next picture asks again.
-  if (error == -EINVAL || error == -ENOTSUP || error == -ENOSPC || error == -ERANGE)
-    refused_ = picture;
+  const bool momentary =
+      error == -EINTR || error == -EAGAIN || error == -EBUSY || error == -ENOMEM || error == -EIO;
+  if (error != 0 && !momentary) refused_ = picture;
   if (error != 0) imported.reset();
   return error;
 }

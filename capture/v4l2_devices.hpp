@@ -8,12 +8,12 @@
 
 namespace depthscope::capture {
 
-/// What a card is set to, or can be.
+/// What a card can be set to.
 struct CaptureInput {
   int index = 0;
   std::string name;
-  std::string state;  // "ok", or what is missing, in words
-  bool current = false;
+  std::string state;     // "ok", or what is missing, in words
+  bool current = false;  // the one that is set
 };
 struct CaptureFormat {
   std::string fourcc, description;
@@ -24,16 +24,27 @@ struct CaptureFormat {
 /// A video node as found.
 struct CaptureDevice {
   std::string path, driver, card, bus;
+  std::vector<std::string> links;  // under /dev/v4l, by which it can be named too
   std::string error;  // why it cannot be opened; empty: it can, and what follows is known
   bool multiplanar = false;
   std::vector<CaptureInput> inputs;
   std::vector<CaptureFormat> formats;
-  std::string timings;  // of the signal now, e.g. "1920x1080 at 60.00, progressive"; may be empty
+  std::string signal;     // at the current input: "1920x1080 at 60.00", or what is wrong with it
+  bool has_edid = false;  // there is a memory for one
 };
 
 /// Every node under /dev that captures video, in the order of their numbers, and those that cannot
 /// be asked. Changes nothing of them.
 std::vector<CaptureDevice> listCaptureDevices(kernel::SystemCalls& calls);
+
+/// What a source with these settings would take now.
+struct CaptureChoice {
+  std::string path;    // empty: nothing, `reason` tells why
+  std::string input;   // its name; may be empty
+  std::string format;  // "NV12 1920x1080"; empty: none, `reason` tells why
+  std::string reason;
+};
+CaptureChoice chooseCapture(kernel::SystemCalls& calls, const V4l2Settings& settings);
 
 /// Paths of the video nodes under /dev in the order of their numbers.
 std::vector<std::string> videoNodes(kernel::SystemCalls& calls);

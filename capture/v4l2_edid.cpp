@@ -1,6 +1,7 @@
 #include "capture/v4l2_edid.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include "capture/edid.hpp"
 
@@ -20,10 +21,10 @@ int getEdid(const V4l2Node& node, int input, std::vector<std::uint8_t>& room) {
 
 }  // namespace
 
-std::vector<std::uint8_t> readEdid(const V4l2Node& node, int input) {
+bool hasEdid(const V4l2Node& node, int input) {
   std::vector<std::uint8_t> edid(256 * kEdidBlock);
-  getEdid(node, input, edid);
-  return edid;
+  const int error = getEdid(node, input, edid);
+  return error == 0 || error == -ENODATA;
 }
 
 int offerEdid(const V4l2Node& node, int input, std::span<const std::uint8_t> edid,

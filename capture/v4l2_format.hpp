@@ -39,6 +39,10 @@ std::vector<v4l2_fmtdesc> offeredFormats(const V4l2Node& node);
 /// together. Colour as the driver says, its defaults resolved as videodev2.h defines them.
 std::optional<V4l2Layout> layoutOf(const v4l2_format& format);
 
+/// The request for the format that setBestFormat() would set.
+int chooseFormat(const V4l2Node& node, const V4l2Settings& wanted, int width, int height,
+                 v4l2_format& format, std::string& detail);
+
 /// The format for a signal of `width` x `height` (0: the card's own), set in the driver: the
 /// wanted one, else the best that comes uncompressed at a moving picture's rate, else MJPG. 0 or
 /// -errno with the reason in `detail`; -EINVAL when there is none.

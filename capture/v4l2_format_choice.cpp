@@ -105,9 +105,9 @@ std::string nothingInCommon(const V4l2Settings& wanted, const std::vector<v4l2_f
 
 }  // namespace
 
-int setBestFormat(const V4l2Node& node, const V4l2Settings& wanted, int width, int height,
-                  V4l2Layout& layout, std::string& detail) {
-  v4l2_format format{};
+int chooseFormat(const V4l2Node& node, const V4l2Settings& wanted, int width, int height,
+                 v4l2_format& format, std::string& detail) {
+  format = {};
   format.type = node.bufferType();
   if (const int error = node.ask(VIDIOC_G_FMT, format); error < 0) {
     detail = "G_FMT: " + errorText(error);
@@ -125,8 +125,16 @@ int setBestFormat(const V4l2Node& node, const V4l2Settings& wanted, int width, i
     return -EINVAL;
   }
   format = formatRequest(node, found.front().fourcc, width, height);
+  return 0;
+}
+
+int setBestFormat(const V4l2Node& node, const V4l2Settings& wanted, int width, int height,
+                  V4l2Layout& layout, std::string& detail) {
+  v4l2_format format;
+  if (const int error = chooseFormat(node, wanted, width, height, format, detail); error < 0)
+    return error;
   if (const int error = node.ask(VIDIOC_S_FMT, format); error < 0) {
-    detail = "S_FMT " + fourccText(found.front().fourcc) + ": " + errorText(error);
+    detail = "S_FMT: " + errorText(error);
     return error;
   }
   const auto result = layoutOf(format);

@@ -84,7 +84,7 @@ int selectInput(const V4l2Node& node, const std::string& wanted, V4l2Input& inpu
                 std::string& detail) {
   input = {};
   const int error = currentInput(node, input);
-  if (error < 0 && error != -ENOTTY && error != -EINVAL) {
+  if (error < 0 && error != -ENOTTY) {
     detail = "G_INPUT: " + errorText(error);
     return error;
   }

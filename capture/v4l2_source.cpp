@@ -20,7 +20,8 @@ constexpr auto kLiveAge = milliseconds(100);             // an older picture is 
 constexpr auto kSilence = milliseconds(250);             // without a picture: not just a pause
 constexpr auto kCheckPeriod = milliseconds(500);         // of the signal, besides events
 constexpr auto kCheckWithoutEvents = milliseconds(100);
-constexpr int kMostEvents = 16;  // taken at a time
+constexpr auto kCheckAgain = milliseconds(20);  // after one that failed
+constexpr int kMostEvents = 16;                 // taken at a time
 
 nanoseconds frameTimes(double count, double fps) {
   return nanoseconds(fps > 0 ? static_cast<std::int64_t>(count / fps * 1e9) : 0);
@@ -93,7 +94,10 @@ bool V4l2Source::openNode() {
   v4l2_event_subscription subscription{};
   subscription.type = V4L2_EVENT_SOURCE_CHANGE;
   subscription.id = static_cast<__u32>(input_.index);
-  has_events_ = node_.ask(VIDIOC_SUBSCRIBE_EVENT, subscription) == 0;
+  const int subscribed = node_.ask(VIDIOC_SUBSCRIBE_EVENT, subscription);
+  if (subscribed < 0 && subscribed != -EINVAL && subscribed != -ENOTTY)
+    return failCall("SUBSCRIBE_EVENT", subscribed);
+  has_events_ = subscribed == 0;
   if (input_.has_timings && !edid_.empty())
     if (const int error = offerEdid(node_, input_.index, edid_, settings_.edid == "auto");
         error < 0)
@@ -164,7 +168,8 @@ void V4l2Source::checkSignal() {
   next_check_ = calls_.now() + (has_events_ ? kCheckPeriod : kCheckWithoutEvents);
   const SignalState now = querySignal(node_, input_);
   const bool same = !now.has_timings || sameMode(now.timings, signal_.timings);
-  if (now.status == SourceStatus::ReadError || (now.status == SourceStatus::Ok && same)) return;
+  if (now.status == SourceStatus::ReadError) return void(next_check_ = calls_.now() + kCheckAgain);
+  if (now.status == SourceStatus::Ok && same) return;
   takeDown();
   next_attempt_ = calls_.now();
   if (now.status == SourceStatus::Ok)
@@ -190,8 +195,9 @@ bool V4l2Source::waitForNews(Time until) {
   const auto events = static_cast<short>(stream_ ? POLLIN | POLLPRI : POLLPRI);
   std::array<pollfd, 1> wait{{{node_.valid() ? node_.fd() : -1, events, 0}}};
   const Time due = std::min(until, stream_ ? next_check_ : next_attempt_);
-  const int ready = calls_.poll(wait, due - calls_.now());
-  if (ready == -EINTR || ready == 0) return true;
+  const int ready = kernel::retryInterrupted([&] { return calls_.poll(wait, due - calls_.now()); });
+  if (ready == 0) return true;
+  if (ready == -EINTR) return false;
   if (ready < 0) return failCall("poll", ready);
   hung_up_ = wait[0].revents & (POLLERR | POLLHUP | POLLNVAL);
   if (hung_up_ && !stream_)

@@ -10,6 +10,7 @@
 #include "platform/library_logs.hpp"
 #include "platform/replay/replay_command.hpp"
 #include "platform/tool/control_commands.hpp"
+#include "platform/tool/devices_command.hpp"
 #include "platform/version.hpp"
 #include "types/error.hpp"
 
@@ -26,6 +27,7 @@ constexpr Command commands[] = {
     {"replay", replayCommand, "track, reconstruct and draw over a recorded clip"},
     {"evaluate", evaluateCommand, "judge a run against ground truth"},
     {"calibrate", calibrateCommand, "make a camera file from pictures of a board"},
+    {"devices", devicesCommand, "what capture cards there are and which would be taken"},
     {"status", statusCommand, "what the running daemon does (--json for scripts)"},
     {"reconstruct", reconstructCommand, "make a new surface now"},
     {"overlay", overlayCommand,

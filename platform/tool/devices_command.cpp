@@ -6,6 +6,7 @@
 #include "platform/camera_file.hpp"
 #include "platform/config/config_file.hpp"
 #include "platform/daemon/open_source.hpp"
+#include "platform/footswitch/keyboard_pedal.hpp"
 
 namespace depthscope::platform {
 namespace {
@@ -14,8 +15,9 @@ constexpr const char* help =
     R"(depthscope devices [--config FILE] [--set section.key=value]...
 
   Lists the capture cards that are there, their inputs, signals and pixel formats, and which of them
-  the daemon would take: with --config as capture.device says, without it as "auto" would. Changes
-  nothing. A card is named in the configuration by its path, a link to it, name:TEXT or bus:TEXT.
+  the daemon would take: with --config as capture.device says, without it as "auto" would. A card is
+  named in the configuration by its path, a link to it, name:TEXT or bus:TEXT. Then what a pedal
+  can be: keyboards and GPIO lines with a name. Changes nothing.
 )";
 
 void printFormat(std::ostream& out, const capture::CaptureFormat& format) {
@@ -69,6 +71,15 @@ void printDevices(std::ostream& out, kernel::SystemCalls& calls,
     printChoice(out, chooseCapture(calls, settings), settings.device);
 }
 
+void printPedals(std::ostream& out, kernel::SystemCalls& calls, GpioChips& chips) {
+  for (const InputDevice& keyboard : listKeyboards(calls))
+    out << "keyboard  " << keyboard.path << "  " << keyboard.name << '\n';
+  for (const GpioLineInfo& line : chips.list())
+    if (!line.name.empty())
+      out << "GPIO line " << line.name << ": " << line.chip << " offset " << line.offset
+          << (line.used ? " (in use)" : "") << '\n';
+}
+
 int devicesCommand(Arguments arguments) {
   if (arguments.flag("--help")) return std::fputs(help, stdout), 0;
   const auto config = arguments.value("--config");
@@ -86,6 +97,7 @@ int devicesCommand(Arguments arguments) {
   else
     std::cout << "capture.device is empty: pictures come from capture.input\n\n";
   printDevices(std::cout, kernel::realSystemCalls(), cardSettings(settings.capture, camera));
+  printPedals(std::cout, kernel::realSystemCalls(), *makeGpioChips());
   return 0;
 }
 

@@ -27,7 +27,7 @@ constexpr Command commands[] = {
     {"replay", replayCommand, "track, reconstruct and draw over a recorded clip"},
     {"evaluate", evaluateCommand, "judge a run against ground truth"},
     {"calibrate", calibrateCommand, "make a camera file from pictures of a board"},
-    {"devices", devicesCommand, "what capture cards there are and which would be taken"},
+    {"devices", devicesCommand, "what capture cards and pedals there are, and which card would be taken"},
     {"status", statusCommand, "what the running daemon does (--json for scripts)"},
     {"reconstruct", reconstructCommand, "make a new surface now"},
     {"overlay", overlayCommand,

@@ -52,6 +52,7 @@ void ArLink::forget(overlay::Compositor& compositor) {
   labels_.clear();
   compositor.setSurface(surface_);
   compositor.setLabels(labels_);
+  predictor_.reset();
 }
 
 void ArLink::update(overlay::Compositor& compositor) {
@@ -114,7 +115,8 @@ ArLink::View ArLink::view(PublishedFrames::Time captured, int width, int height)
     return view;
   }
   state.status = overlay::Status::Tracking;
-  state.T_camera_world = pose.T_camera_world;
+  predictor_.add(pose.T_camera_world, pose.map_id, *pose_time);
+  state.T_camera_world = predictor_.at(captured);
   state.map_id = pose.map_id;
   state.confidence = pose.confidence;
   state.age_ms = std::max(age_ms, 0.0f);

@@ -4,6 +4,7 @@
 
 #include "capture/frame.hpp"
 #include "overlay/compositor.hpp"
+#include "platform/daemon/pose_predictor.hpp"
 #include "platform/daemon/published_frames.hpp"
 #include "platform/ipc/frame_ring.hpp"
 #include "platform/ipc/surface_mailbox.hpp"
@@ -35,7 +36,7 @@ class ArLink {
   void publish(const capture::Frame& frame, std::vector<std::uint8_t>& gray);
   /// Brings the compositor's surface and labels up to date.
   void update(overlay::Compositor& compositor);
-  /// For a picture of this size captured at `captured`.
+  /// For a picture of this size captured at `captured`; the pose is predicted to that time.
   View view(PublishedFrames::Time captured, int width, int height);
 
   /// From any thread: things that the AR process sent and that did not pass the checks.
@@ -52,6 +53,7 @@ class ArLink {
   FrameRingWriter frames_;
   SurfaceMailboxReader surfaces_;
   PublishedFrames published_;
+  PosePredictor predictor_;
   std::atomic<std::uint32_t> starts_{0};  // odd: alive
   std::uint32_t starts_seen_ = 0;
   std::atomic<std::uint64_t> rejected_{0};

@@ -9,16 +9,19 @@ constexpr std::chrono::microseconds call_time(1);
 
 }  // namespace
 
-int FakeKernel::enter() {
-  ++calls_;
+int FakeKernel::enter(const std::string& path) {
   now_ += call_time;
+  counted_ = path.starts_with(plan_.under);
+  if (!counted_) return 0;
+  ++calls_;
   if (!plan_.hits(calls_)) return 0;
   if (plan_.kind == FaultPlan::Kind::Late) now_ += plan_.delay;
   return plan_.kind == FaultPlan::Kind::Error ? -plan_.error : 0;
 }
 
-bool FakeKernel::shortCall() const {
-  return plan_.kind == FaultPlan::Kind::Short && plan_.hits(calls_);
+std::string FakeKernel::pathOf(int fd) const {
+  const auto found = opened_at_.find(fd);
+  return found == opened_at_.end() ? "" : found->second;
 }
 
 int FakeKernel::install(std::unique_ptr<FakeFile> file) {
@@ -38,7 +41,7 @@ FakeFile* FakeKernel::required(int fd) {
 }
 
 int FakeKernel::open(const char* path, int flags) {
-  if (const int error = enter()) return error;
+  if (const int error = enter(path)) return error;
   std::string target = path;
   for (int hops = 0; links_.contains(target); ++hops) {
     if (hops == 8) return -ELOOP;
@@ -48,23 +51,26 @@ int FakeKernel::open(const char* path, int flags) {
   if (device == devices_.end()) return -ENOENT;
   std::unique_ptr<FakeFile> opened;
   if (const int error = device->second->open(flags, opened)) return error;
-  return install(std::move(opened));
+  const int fd = install(std::move(opened));
+  opened_at_[fd] = path;
+  return fd;
 }
 
 int FakeKernel::close(int fd) {
+  opened_at_.erase(fd);
   if (files_.erase(fd) == 1) return 0;
   ++misuses_;
   return -EBADF;
 }
 
 int FakeKernel::ioctl(int fd, unsigned long request, void* argument) {
-  if (const int error = enter()) return error;
+  if (const int error = enter(fd)) return error;
   FakeFile* target = required(fd);
   return target == nullptr ? -EBADF : target->ioctl(request, argument);
 }
 
 void* FakeKernel::mmap(int fd, std::size_t length, bool /*writable*/, off_t offset, int& error) {
-  error = enter();
+  error = enter(fd);
   if (error != 0) return nullptr;
   FakeFile* target = required(fd);
   if (target == nullptr) {
@@ -89,14 +95,14 @@ int FakeKernel::munmap(void* address, std::size_t length) {
 }
 
 ssize_t FakeKernel::read(int fd, std::span<std::byte> into) {
-  if (const int error = enter()) return error;
+  if (const int error = enter(fd)) return error;
   FakeFile* target = required(fd);
   if (target == nullptr) return -EBADF;
   return target->read(shortCall() ? into.first(into.size() / 2) : into);
 }
 
 ssize_t FakeKernel::write(int fd, std::span<const std::byte> from) {
-  if (const int error = enter()) return error;
+  if (const int error = enter(fd)) return error;
   FakeFile* target = required(fd);
   if (target == nullptr) return -EBADF;
   return target->write(shortCall() ? from.first(from.size() / 2) : from);
@@ -124,7 +130,7 @@ Time FakeKernel::nextEvent(std::span<const pollfd> descriptors, Time limit) cons
 }
 
 int FakeKernel::poll(std::span<pollfd> descriptors, std::chrono::nanoseconds timeout) {
-  if (const int error = enter()) return error;
+  if (const int error = enter(descriptors.empty() ? -1 : descriptors[0].fd)) return error;
   const Time limit = now_ + std::max(timeout, std::chrono::nanoseconds::zero());
   for (;;) {
     const int ready = readyDescriptors(descriptors);
@@ -136,7 +142,7 @@ int FakeKernel::poll(std::span<pollfd> descriptors, std::chrono::nanoseconds tim
 
 int FakeKernel::list(const char* directory, std::vector<std::string>& names) {
   names.clear();
-  if (const int error = enter()) return error;
+  if (const int error = enter(directory)) return error;
   const std::string prefix = std::string(directory) + "/";
   const auto add = [&](const std::string& path) {
     if (path.starts_with(prefix))
@@ -150,7 +156,7 @@ int FakeKernel::list(const char* directory, std::vector<std::string>& names) {
 }
 
 int FakeKernel::readLink(const char* path, std::string& target) {
-  if (const int error = enter()) return error;
+  if (const int error = enter(path)) return error;
   const auto found = links_.find(path);
   if (found == links_.end()) return devices_.contains(path) ? -EINVAL : -ENOENT;
   target = found->second;

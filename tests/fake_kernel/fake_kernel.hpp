@@ -26,7 +26,7 @@ class FakeKernel final : public kernel::SystemCalls {
   FakeFile* file(int fd) const;
 
   void inject(const FaultPlan& plan) { plan_ = plan; }
-  /// Calls made so far; clock readings are not counted.
+  /// Calls made so far that the plan's path concerns; clock readings are not counted.
   std::uint64_t calls() const { return calls_; }
   std::size_t openDescriptors() const { return files_.size(); }
   std::size_t mappings() const { return mappings_.size(); }
@@ -50,8 +50,12 @@ class FakeKernel final : public kernel::SystemCalls {
  private:
   /// Every call but close and munmap, which cannot be made to fail (their callers could do nothing
   /// about it), begins here: counts it, takes a microsecond, and gives -errno if it is to fail.
-  int enter();
-  bool shortCall() const;
+  int enter(const std::string& path);
+  int enter(int fd) { return enter(pathOf(fd)); }
+  std::string pathOf(int fd) const;
+  bool shortCall() const {
+    return counted_ && plan_.kind == FaultPlan::Kind::Short && plan_.hits(calls_);
+  }
   FakeFile* required(int fd);
   int readyDescriptors(std::span<pollfd> descriptors);
   Time nextEvent(std::span<const pollfd> descriptors, Time limit) const;
@@ -59,6 +63,7 @@ class FakeKernel final : public kernel::SystemCalls {
   std::map<std::string, FakeDevice*> devices_;
   std::map<std::string, std::string> links_;
   std::map<int, std::unique_ptr<FakeFile>> files_;
+  std::map<int, std::string> opened_at_;
   struct Mapped {
     std::shared_ptr<std::byte[]> memory;
     std::size_t length;
@@ -66,6 +71,7 @@ class FakeKernel final : public kernel::SystemCalls {
   std::multimap<void*, Mapped> mappings_;
   FaultPlan plan_;
   std::uint64_t calls_ = 0, misuses_ = 0;
+  bool counted_ = false;  // the call under way is one that the plan concerns
   int next_fd_ = 1000;
   Time now_{std::chrono::seconds(1000)};
 };

@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <string>
 
 namespace depthscope::fake {
 
@@ -12,6 +13,7 @@ struct FaultPlan {
     Late,   // the call works, but takes `delay` longer
   };
 
+  std::string under{};     // only calls on paths that begin so, and on files opened there, count
   std::uint64_t call = 0;  // the call that goes wrong, counted from 1; 0: none
   bool forever = false;    // all calls after it too
   Kind kind = Kind::Error;

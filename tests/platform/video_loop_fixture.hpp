@@ -8,10 +8,10 @@
 
 #include "capture/pixel_convert.hpp"
 #include "overlay/blend.hpp"
-#include "platform/daemon/layer_painter.hpp"
 #include "platform/daemon/video_loop.hpp"
 #include "platform/ipc/surface_mailbox.hpp"
 #include "tests/fake_kernel/fake_kernel.hpp"
+#include "tests/platform/direct_layers.hpp"
 
 namespace depthscope::platform {
 
@@ -156,24 +156,6 @@ class RecordingDisplay final : public Display {
   int width_ = 0, height_ = 0;
   std::vector<std::uint8_t> buffer_;
   capture::Frame held_;
-};
-
-/// Draws overlays in the loop's own thread, for they are then there at once and always the same.
-/// Can act a driver that hangs.
-class DirectLayers final : public LayerSource {
- public:
-  explicit DirectLayers(LayerPainter& painter) : painter_(painter) {}
-  void request(const LayerRequest& request) override { request_ = request; }
-  const OverlayLayer* newest(Time) override {
-    if (!hung && layer_.number != request_.number) painter_.draw(request_, layer_);
-    return layer_.number > 0 ? &layer_ : nullptr;
-  }
-  bool hung = false;
-
- private:
-  LayerPainter& painter_;
-  LayerRequest request_;
-  OverlayLayer layer_;
 };
 
 /// A video loop on a simulated clock, with a real compositor; the test plays source and AR process.

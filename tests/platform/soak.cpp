@@ -1,0 +1,165 @@
+// Runs the picture's whole way, capture card to monitor and overlay, on a kernel in memory for
+// hours of simulated time, and looks at what the process holds: memory, descriptors, threads. What
+// it holds when warm is what it must hold at the end.
+//
+//   soak [HOURS]     2 when nothing is said
+#include <malloc.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "platform/ipc/frame_ring.hpp"
+#include "platform/ipc/surface_mailbox.hpp"
+#include "tests/platform/direct_layers.hpp"
+#include "tests/platform/simulated_box.hpp"
+
+namespace depthscope::platform {
+namespace {
+
+struct Held {
+  std::size_t heap_bytes = 0;
+  long resident_kb = 0;
+  long descriptors = 0, threads = 0;
+};
+
+long entries(const char* folder) {
+  return std::distance(std::filesystem::directory_iterator(folder),
+                       std::filesystem::directory_iterator());
+}
+
+Held measure() {
+  std::ifstream statm("/proc/self/statm");
+  long total = 0, resident = 0;
+  statm >> total >> resident;
+  return {mallinfo2().uordblks, resident * 4, entries("/proc/self/fd"), entries("/proc/self/task")};
+}
+
+void print(const char* when, double hours, const Held& held) {
+  std::printf("%-8s %6.2f h: heap %zu bytes, resident %ld kB, %ld descriptors, %ld threads\n", when,
+              hours, held.heap_bytes, held.resident_kb, held.descriptors, held.threads);
+}
+
+CameraModel boxCamera() {
+  CameraModel camera;
+  camera.width = box_width;
+  camera.height = box_height;
+  camera.fx = camera.fy = 50;
+  camera.cx = 31.5;
+  camera.cy = 23.5;
+  return camera;
+}
+
+/// Plays the AR process: finds every picture at once, has a new surface now and then, goes away and
+/// comes back.
+class ArPlayer {
+ public:
+  explicit ArPlayer(SimulatedBox& box)
+      : box_(box), frames_(box.memory), surfaces_(box.memory), pixels_(box_width * box_height) {
+    constexpr std::uint32_t n = 8;
+    for (std::uint32_t r = 0; r <= n; ++r)
+      for (std::uint32_t c = 0; c <= n; ++c) {
+        mesh_.vertices.push_back({-10 + 2.5f * static_cast<float>(c),
+                                  -5 + 2.0f * static_cast<float>(r), 50 + static_cast<float>(c)});
+        mesh_.normals.push_back({0, 0, -1});
+        mesh_.confidence.push_back(1);
+      }
+    for (std::uint32_t r = 0; r < n; ++r)
+      for (std::uint32_t c = 0; c < n; ++c) {
+        const std::uint32_t a = r * (n + 1) + c, b = a + n + 1;
+        mesh_.triangles.push_back({a, b, a + 1});
+        mesh_.triangles.push_back({a + 1, b, b + 1});
+      }
+  }
+  void play() {
+    ++turns_;
+    box_.link.setAlive(turns_ % 5000 > 100);
+    WireFrameInfo info;
+    if (!frames_.takeNewest(pixels_, info)) return;
+    PoseEstimate pose;
+    pose.frame = info.frame;
+    pose.state = TrackingState::Tracking;
+    pose.confidence = 1;
+    box_.memory.block().pose.write(encodePose(pose));
+    if (turns_ % 300 != 0) return;
+    ++mesh_.version;
+    surfaces_.publish(mesh_);
+  }
+
+ private:
+  SimulatedBox& box_;
+  FrameRingReader frames_;
+  SurfaceMailboxWriter surfaces_;
+  std::vector<std::uint8_t> pixels_;
+  SurfaceMesh mesh_;
+  std::uint64_t turns_ = 0;
+};
+
+/// Every way in which things go wrong, over and over.
+void upset(SimulatedBox& box, std::uint64_t turn) {
+  using Signal = FakeV4l2Card::Signal;
+  switch (turn % 20000) {
+    case 3000:
+      return box.card.setSignal(Signal::Missing);
+    case 3050:
+      return box.card.setSignal(Signal::Good);
+    case 6000:
+      return box.card.disconnect();
+    case 6050:
+      return box.card.reconnect();
+    case 9000:
+      return box.monitor.setConnected(0, false);
+    case 9050:
+      return box.monitor.setConnected(0, true);
+    case 12000:
+      return box.card.setMode(fake::timingsSmall(80, 60, 50));
+    case 14000:
+      return box.card.setMode(fake::timingsSmall(box_width, box_height, box_rate));
+    default:
+      return;
+  }
+}
+
+int soak(double hours) {
+  SimulatedBox box;
+  LayerPainter painter(boxCamera(), {}, box.link, box.requests);
+  DirectLayers layers(painter);
+  ArPlayer ar(box);
+  box.start(&layers);
+  const Time start = box.kernel.now();
+  const auto until = [&](double share) {
+    return start + std::chrono::duration_cast<std::chrono::nanoseconds>(
+                       std::chrono::duration<double>(3600 * hours * share));
+  };
+  std::uint64_t turn = 0;
+  const auto run = [&](Time end) {
+    while (box.kernel.now() < end) {
+      upset(box, turn++);
+      ar.play();
+      box.turn();
+    }
+  };
+  run(until(0.05));
+  const Held warm = measure();
+  print("warm", hours * 0.05, warm);
+  for (int tenth = 1; tenth <= 10; ++tenth) {
+    run(until(0.05 + 0.095 * tenth));
+    if (tenth % 5 == 0) print("", hours * (0.05 + 0.095 * tenth), measure());
+  }
+  const Held end = measure();
+  std::printf("%llu pictures shown, %llu fault pictures\n",
+              static_cast<unsigned long long>(box.report.frames.load()),
+              static_cast<unsigned long long>(box.report.faults.load()));
+  const bool flat = end.heap_bytes <= warm.heap_bytes && end.descriptors == warm.descriptors &&
+                    end.threads == warm.threads && end.resident_kb <= warm.resident_kb + 64;
+  std::printf("%s\n", flat ? "flat" : "GROWS");
+  return flat && !testing::Test::HasFailure() ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace depthscope::platform
+
+int main(int argc, char** argv) {
+  return depthscope::platform::soak(argc > 1 ? std::atof(argv[1]) : 2);
+}

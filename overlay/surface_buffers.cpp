@@ -5,13 +5,6 @@
 namespace depthscope::overlay {
 namespace {
 
-template <class T>
-void fill(GLenum target, const GlBuffer& buffer, const std::vector<T>& data) {
-  glBindBuffer(target, buffer.name());
-  glBufferData(target, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(),
-               GL_STATIC_DRAW);
-}
-
 template <class Vertex>
 void attribute(GLuint location, GLint size, GLenum type, std::size_t offset) {
   glEnableVertexAttribArray(location);
@@ -38,11 +31,11 @@ SurfaceBuffers::SurfaceBuffers() {
 
 void SurfaceBuffers::upload(const PreparedSurface& surface) {
   glBindVertexArray(array_.name());
-  fill(GL_ARRAY_BUFFER, vertices_, surface.vertices);
-  fill(GL_ELEMENT_ARRAY_BUFFER, indices_, surface.indices);
+  vertices_.fill(GL_ARRAY_BUFFER, std::as_bytes(std::span(surface.vertices)));
+  indices_.fill(GL_ELEMENT_ARRAY_BUFFER, std::as_bytes(std::span(surface.indices)));
   glBindVertexArray(inset_array_.name());
-  fill(GL_ARRAY_BUFFER, inset_vertices_, surface.inset_vertices);
-  fill(GL_ELEMENT_ARRAY_BUFFER, inset_indices_, surface.inset_indices);
+  inset_vertices_.fill(GL_ARRAY_BUFFER, std::as_bytes(std::span(surface.inset_vertices)));
+  inset_indices_.fill(GL_ELEMENT_ARRAY_BUFFER, std::as_bytes(std::span(surface.inset_indices)));
   glBindVertexArray(0);
   count_ = static_cast<GLsizei>(surface.indices.size());
   inset_count_ = static_cast<GLsizei>(surface.inset_indices.size());

@@ -5,6 +5,7 @@
 #include "overlay/overlay_settings.hpp"
 #include "overlay/shader_program.hpp"
 #include "overlay/surface_prep.hpp"
+#include "overlay/vertex_buffer.hpp"
 #include "types/camera_model.hpp"
 #include "types/pose.hpp"
 
@@ -20,7 +21,7 @@ class SurfaceBuffers {
 
  private:
   GlVertexArray array_, inset_array_;
-  GlBuffer vertices_, indices_, inset_vertices_, inset_indices_;
+  VertexBuffer vertices_, indices_, inset_vertices_, inset_indices_;
   GLsizei count_ = 0, inset_count_ = 0;
 };
 

@@ -80,6 +80,8 @@ bool isRgb(PixelFormat format) {
 /// is taken as that of television of its size.
 void setColour(const PlainFormat& from, FrameFormat& format) {
   const bool rgb = isRgb(format.pixel_format);
+  // A grey picture is no half of a television signal: drivers send it with all levels.
+  const bool gray = format.pixel_format == PixelFormat::Gray8;
   __u32 space = from.colorspace;
   if (space == V4L2_COLORSPACE_DEFAULT)
     space = rgb ? V4L2_COLORSPACE_SRGB
@@ -88,7 +90,7 @@ void setColour(const PlainFormat& from, FrameFormat& format) {
   if (encoding == V4L2_YCBCR_ENC_DEFAULT) encoding = V4L2_MAP_YCBCR_ENC_DEFAULT(space);
   __u32 range = from.quantization;
   if (range == V4L2_QUANTIZATION_DEFAULT)
-    range = V4L2_MAP_QUANTIZATION_DEFAULT(rgb, space, encoding);
+    range = V4L2_MAP_QUANTIZATION_DEFAULT(rgb || gray, space, encoding);
   format.range = range == V4L2_QUANTIZATION_FULL_RANGE ? YuvRange::Full : YuvRange::Limited;
   switch (encoding) {
     case V4L2_YCBCR_ENC_709:

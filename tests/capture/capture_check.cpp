@@ -47,22 +47,20 @@ bool setControl(const V4l2Node& node, const char* name, int value) {
 }
 
 /// Largest difference to the bars, in levels, over the middle half of each bar; a grey format shows
-/// their luma.
+/// their BT.709 luma, whatever the mode.
 int worstLevel(const Frame& frame) {
   const int width = frame.format.width, height = frame.format.height;
   std::vector<std::uint8_t> rgba(static_cast<std::size_t>(width) *
                                  static_cast<std::size_t>(height) * 4);
   toRgba(frame, rgba);
   const bool gray = frame.format.pixel_format == PixelFormat::Gray8;
-  const double red = frame.format.height > 576 ? 0.2126 : 0.299;
-  const double blue = frame.format.height > 576 ? 0.0722 : 0.114;
   int worst = 0;
   for (int y = static_cast<int>(kLowest * height); y < kHighest * height; ++y)
     for (int bar = 0; bar < 8; ++bar)
       for (int x = width * (4 * bar + 1) / 32; x < width * (4 * bar + 3) / 32; ++x)
         for (int c = 0; c < 3; ++c) {
           const int* b = kBars[bar];
-          const double luma = red * b[0] + (1 - red - blue) * b[1] + blue * b[2];
+          const double luma = 0.2126 * b[0] + 0.7152 * b[1] + 0.0722 * b[2];
           const int expected = gray ? static_cast<int>(luma + 0.5) : b[c];
           const auto at = static_cast<std::size_t>(4 * (y * width + x) + c);
           worst = std::max(worst, std::abs(rgba[at] - expected));

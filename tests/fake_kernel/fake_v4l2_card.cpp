@@ -220,7 +220,8 @@ void FakeV4l2Card::fill(Buffer& buffer, std::uint64_t index) {
   Encoding encoding = options_.encoding;
   const bool rgb = layout_.fourcc == V4L2_PIX_FMT_BGR24 || layout_.fourcc == V4L2_PIX_FMT_RGB24 ||
                    layout_.fourcc == V4L2_PIX_FMT_XBGR32;
-  if (rgb) encoding.limited = options_.quantization == V4L2_QUANTIZATION_LIM_RANGE;
+  if (rgb || layout_.fourcc == V4L2_PIX_FMT_GREY)
+    encoding.limited = options_.quantization == V4L2_QUANTIZATION_LIM_RANGE;
   paint(layout_, encoding, colour, pieces);
 }
 

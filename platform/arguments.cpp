@@ -51,6 +51,14 @@ std::string Arguments::positional(std::string_view what) {
   return taken;
 }
 
+std::vector<std::string> Arguments::positionals() {
+  const auto options = std::stable_partition(
+      words_.begin(), words_.end(), [](const std::string& w) { return !w.starts_with("--"); });
+  std::vector<std::string> taken(words_.begin(), options);
+  words_.erase(words_.begin(), options);
+  return taken;
+}
+
 void Arguments::finish() const {
   if (!words_.empty()) throw InputError(words_.front() + ": unknown argument (see --help)");
 }

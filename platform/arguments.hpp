@@ -24,6 +24,8 @@ class Arguments {
   std::string required(std::string_view name);
   /// The next word that is no option. Throws InputError saying that `what` was expected.
   std::string positional(std::string_view what);
+  /// All words left that are no options, in order.
+  std::vector<std::string> positionals();
   /// Throws InputError naming the first word that nobody asked for.
   void finish() const;
 

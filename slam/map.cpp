@@ -70,6 +70,7 @@ KeyframeId Map::addKeyframe(const FeatureSet& features, const Pose& T_camera_wor
   k.frame = frame;
   k.timestamp_s = timestamp_s;
   k.T_camera_world = T_camera_world;
+  k.unit = 1;
   k.features = features;  // equal capacities: copied without allocating
   k.points.assign(features.size(), kNone);
   ++keyframe_count_;
@@ -253,6 +254,46 @@ void Map::rescale(double factor) {
     p.min_distance *= static_cast<float>(factor);
     p.max_distance *= static_cast<float>(factor);
   }
+}
+
+void Map::moveKeyframe(KeyframeId id, const Sim3& T_new_old) {
+  Keyframe& k = keyframes_[id];
+  k.T_camera_world = T_new_old.moved(k.T_camera_world);
+  k.unit *= T_new_old.s;
+}
+
+void Map::movePoint(PointId id, const Sim3& T_new_old) {
+  MapPoint& p = points_[id];
+  p.position = T_new_old * p.position;
+  p.normal = T_new_old.R * p.normal;
+  p.min_distance *= static_cast<float>(T_new_old.s);
+  p.max_distance *= static_cast<float>(T_new_old.s);
+}
+
+void Map::join(std::uint32_t from, std::uint32_t into, const Sim3& T_into_from) {
+  for (KeyframeId k = 0; k < keyframeCapacity(); ++k) {
+    if (!keyframes_[k].alive || keyframes_[k].map_id != from) continue;
+    moveKeyframe(k, T_into_from);
+    keyframes_[k].map_id = into;
+  }
+  for (PointId p = 0; p < point_end_; ++p) {
+    if (!points_[p].alive || points_[p].map_id != from) continue;
+    movePoint(p, T_into_from);
+    points_[p].map_id = into;
+  }
+  if (active_id_ != from) return;
+  active_id_ = into;
+  correctWorld(T_into_from);
+}
+
+int Map::mapCount() const {
+  // The first keyframe, by slot, of each.
+  int count = 0;
+  for (auto k = keyframes_.begin(); k != keyframes_.end(); ++k)
+    count += k->alive && std::none_of(keyframes_.begin(), k, [&](const Keyframe& other) {
+               return other.alive && other.map_id == k->map_id;
+             });
+  return count;
 }
 
 std::size_t Map::bytes() const {

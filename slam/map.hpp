@@ -6,6 +6,7 @@
 
 #include "slam/features.hpp"
 #include "slam/projection.hpp"
+#include "slam/sim3.hpp"
 #include "slam/slam_settings.hpp"
 #include "types/pose.hpp"
 
@@ -49,6 +50,7 @@ struct Keyframe {
   std::int64_t frame = 0;
   double timestamp_s = 0;
   Pose T_camera_world;
+  double unit = 1;  // product of all factors by which lengths around it have grown since
   FeatureSet features;
   std::vector<PointId> points;  // per feature, kNone where it observes none
 };
@@ -63,6 +65,9 @@ class Map {
   Map(const SlamSettings& settings, const CameraModel& camera);
 
   std::mutex mutex;
+  /// Held, and locked before `mutex`, by whom moves the world under the tracker (correctWorld) and
+  /// by the tracker while it goes from one pose to the next.
+  std::mutex world_mutex;
 
   /// Forgets all keyframes and points.
   void clear();
@@ -122,6 +127,23 @@ class Map {
   /// Multiplies the unit of length of the active map.
   void rescale(double factor);
 
+  /// Moves a keyframe, or a point, with the world around it.
+  void moveKeyframe(KeyframeId id, const Sim3& T_new_old);
+  void movePoint(PointId id, const Sim3& T_new_old);
+  /// Moves all of one connected map into the world of another, of which it becomes a part.
+  void join(std::uint32_t from, std::uint32_t into, const Sim3& T_into_from);
+  /// Connected maps that have keyframes.
+  int mapCount() const;
+  /// Tells the tracker that the world around the camera was moved: poses it remembers are of the
+  /// old one. `world_mutex` and `mutex` held.
+  void correctWorld(const Sim3& T_new_old) {
+    correction_ = T_new_old * correction_;
+    ++corrections_;
+  }
+  /// All of these moves together, and their number.
+  const Sim3& correction() const { return correction_; }
+  int corrections() const { return corrections_; }
+
   float scaleOf(int octave) const { return scales_[octave]; }
   int levels() const { return static_cast<int>(scales_.size()); }
   /// Pyramid level at which a point is expected at `distance`, given its `max_distance`.
@@ -133,6 +155,8 @@ class Map {
 
   Intrinsics intrinsics_;
   std::uint32_t active_id_ = 0, last_id_ = 0;
+  Sim3 correction_;
+  int corrections_ = 0;
   std::vector<Keyframe> keyframes_;
   std::vector<MapPoint> points_;
   std::vector<Observation> observations_;  // observations_per_point slots for each point

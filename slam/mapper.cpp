@@ -8,19 +8,23 @@
 namespace depthscope::slam {
 
 Mapper::Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map,
-               Trajectory& trajectory, MappingMode mode)
+               KeyframeDatabase& database, Trajectory& trajectory, MappingMode mode)
     : settings_(settings),
       map_(map),
+      database_(database),
       mode_(mode),
       creator_(settings, map),
       fuser_(settings, map),
       bundle_(settings, map),
-      culler_(settings, map, trajectory) {
+      culler_(settings, map, trajectory),
+      recognizer_(settings, map, database),
+      merger_(map, fuser_) {
   const int features = settings.extractor.features;
   recent_.reserve(settings.capacity.map_points);
   votes_.resize(settings.capacity.keyframes);
   neighbours_.reserve(settings.capacity.keyframes);
   window_.reserve(settings.capacity.keyframes);
+  around_.reserve(settings.capacity.keyframes);
   for (KeyframeRequest* r : {&waiting_, &current_}) {
     r->features = FeatureSet(features, camera);
     r->points.reserve(features);
@@ -45,13 +49,15 @@ bool Mapper::idle() const {
 }
 
 bool Mapper::submit(const FeatureSet& features, std::span<const PointRef> points,
-                    const Pose& T_camera_world, std::int64_t frame, double timestamp_s) {
+                    const Pose& T_camera_world, const Sim3& correction, std::int64_t frame,
+                    double timestamp_s) {
   {
     const std::lock_guard lock(queue_mutex_);
     if (has_waiting_) return false;
     waiting_.features = features;
     waiting_.points.assign(points.begin(), points.end());
     waiting_.T_camera_world = T_camera_world;
+    waiting_.correction = correction;
     waiting_.frame = frame;
     waiting_.timestamp_s = timestamp_s;
     has_waiting_ = mode_ == MappingMode::Threaded;
@@ -102,6 +108,10 @@ void Mapper::adoptInitialMap() {
   recent_.clear();
   for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k)
     if (map_.keyframe(k).alive && map_.keyframe(k).map_id == map_.activeId()) window_.push_back(k);
+  {
+    const std::lock_guard lock(map_.mutex);
+    for (const KeyframeId k : window_) database_.add(map_, k);
+  }
   bundle_.adjust(window_, 20, nullptr);
   for (PointId p = 0; p < map_.pointEnd(); ++p)
     if (map_.point(p).alive && map_.point(p).map_id == map_.activeId())
@@ -115,21 +125,39 @@ void Mapper::process(const KeyframeRequest& request) {
   culler_.cullRecentPoints(recent_, map_.keyframe(id).serial);
   creator_.create(id, bestNeighbours(id, settings_.mapper.neighbours), recent_);
   fuser_.fuse(id, bestNeighbours(id, settings_.mapper.neighbours));
+  adjustAround(id);
+  culler_.cullKeyframes(bestNeighbours(id, 2 * settings_.mapper.window_keyframes));
+  recognizePlace(id);
+  map_ms_ =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
 
+void Mapper::adjustAround(KeyframeId id) {
   const auto neighbours = bestNeighbours(id, settings_.mapper.window_keyframes - 1);
   window_.assign(neighbours.begin(), neighbours.end());
   window_.push_back(id);
   bundle_.adjust(window_, settings_.mapper.iterations,
                  mode_ == MappingMode::Threaded ? &interrupt_ : nullptr);
-  culler_.cullKeyframes(bestNeighbours(id, 2 * settings_.mapper.window_keyframes));
-  map_ms_ =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+void Mapper::recognizePlace(KeyframeId id) {
+  constexpr int kFusedAround = 6;
+  const auto link = recognizer_.recognize(id);
+  if (!link) return;
+  const auto neighbours = bestNeighbours(id, kFusedAround);
+  around_.assign(neighbours.begin(), neighbours.end());
+  if (map_.keyframe(link->now).map_id == map_.keyframe(link->before).map_id) return;
+  merger_.merge(*link, recognizer_.pairs(), recognizer_.window(), around_);
+  adjustAround(id);
 }
 
 KeyframeId Mapper::insert(const KeyframeRequest& request) {
   const std::lock_guard lock(map_.mutex);
-  const KeyframeId id = map_.addKeyframe(request.features, request.T_camera_world, request.frame,
-                                         request.timestamp_s);
+  const Sim3 T_now_request = map_.correction() * request.correction.inverse();
+  const KeyframeId id =
+      map_.addKeyframe(request.features, T_now_request.moved(request.T_camera_world), request.frame,
+                       request.timestamp_s);
+  database_.add(map_, id);
   for (int f = 0; f < request.features.size(); ++f) {
     const PointId p = map_.resolve(request.points[f]);
     if (p != kNone && map_.observe(p, id, f)) map_.refreshGeometry(p);

@@ -6,8 +6,11 @@
 #include <thread>
 #include <vector>
 
+#include "slam/keyframe_database.hpp"
 #include "slam/local_bundle.hpp"
 #include "slam/map_culler.hpp"
+#include "slam/map_merger.hpp"
+#include "slam/place_recognizer.hpp"
 #include "slam/point_creator.hpp"
 #include "slam/point_fuser.hpp"
 #include "slam/slam_system.hpp"
@@ -19,6 +22,7 @@ struct KeyframeRequest {
   FeatureSet features;
   std::vector<PointRef> points;  // per feature
   Pose T_camera_world;
+  Sim3 correction;  // Map::correction() when it was made
   std::int64_t frame = 0;
   double timestamp_s = 0;
 };
@@ -28,16 +32,17 @@ struct KeyframeRequest {
 /// only writer of the map once it exists.
 class Mapper {
  public:
-  Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map, Trajectory& trajectory,
-         MappingMode mode);
+  Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map,
+         KeyframeDatabase& database, Trajectory& trajectory, MappingMode mode);
   ~Mapper();
 
   /// True if a keyframe would be taken on at once.
   bool idle() const;
-  /// Hands over a keyframe. Threaded: false when one is waiting already; a bundle adjustment in
-  /// progress is cut short.
+  /// Hands over a keyframe, its pose in the world as `correction` (Map::correction) left it.
+  /// Threaded: false when one is waiting already; a bundle adjustment in progress is cut short.
   bool submit(const FeatureSet& features, std::span<const PointRef> points,
-              const Pose& T_camera_world, std::int64_t frame, double timestamp_s);
+              const Pose& T_camera_world, const Sim3& correction, std::int64_t frame,
+              double timestamp_s);
   /// After the initializer has made a map: adjusts it and starts to look after its points. Call
   /// while idle.
   void adoptInitialMap();
@@ -52,19 +57,24 @@ class Mapper {
  private:
   void run();
   void process(const KeyframeRequest& request);
+  void adjustAround(KeyframeId id);
+  void recognizePlace(KeyframeId id);
   KeyframeId insert(const KeyframeRequest& request);
   std::span<const KeyframeId> bestNeighbours(KeyframeId id, int count);
 
   SlamSettings settings_;
   Map& map_;
+  KeyframeDatabase& database_;
   MappingMode mode_;
   PointCreator creator_;
   PointFuser fuser_;
   LocalBundle bundle_;
   MapCuller culler_;
+  PlaceRecognizer recognizer_;
+  MapMerger merger_;
   std::vector<PointRef> recent_;
   std::vector<int> votes_;
-  std::vector<KeyframeId> neighbours_, window_;
+  std::vector<KeyframeId> neighbours_, window_, around_;
 
   mutable std::mutex queue_mutex_;
   std::condition_variable queue_changed_;

@@ -6,11 +6,10 @@
 
 namespace depthscope::slam {
 
-/// Trust in the pose of a tracked frame, 0..1: whether there are inliers enough, times how far they
-/// spread. Inliers that crowd into a corner say little about the rest of the picture, so the cells
-/// of a 4 x 4 grid that hold some are counted, of those that hold features at all.
-inline float poseConfidence(const TrackedFrame& frame, int inliers, int comfortable_inliers,
-                            const CameraModel& camera) {
+/// How far the points recognised in a frame spread, 0..1. Inliers that crowd into a corner say
+/// little about the rest of the picture, so the cells of a 4 x 4 grid that hold some are counted,
+/// of those that hold features at all.
+inline float inlierSpread(const TrackedFrame& frame, const CameraModel& camera) {
   constexpr int kCells = 4, kMinFeatures = 5, kMinInliers = 2;
   std::array<int, kCells * kCells> features{}, found{};
   for (int f = 0; f < frame.features.size(); ++f) {
@@ -27,9 +26,14 @@ inline float poseConfidence(const TrackedFrame& frame, int inliers, int comforta
     textured += features[c] >= kMinFeatures;
     covered += features[c] >= kMinFeatures && found[c] >= kMinInliers;
   }
-  const float spread =
-      textured == 0 ? 0.f : static_cast<float>(covered) / static_cast<float>(textured);
-  return spread *
+  return textured == 0 ? 0.f : static_cast<float>(covered) / static_cast<float>(textured);
+}
+
+/// Trust in the pose of a tracked frame, 0..1: whether there are inliers enough, times their
+/// spread.
+inline float poseConfidence(const TrackedFrame& frame, int inliers, int comfortable_inliers,
+                            const CameraModel& camera) {
+  return inlierSpread(frame, camera) *
          std::min(1.f, static_cast<float>(inliers) / static_cast<float>(comfortable_inliers));
 }
 

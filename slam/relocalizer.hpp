@@ -1,30 +1,34 @@
 #pragma once
 #include <vector>
 
+#include "slam/keyframe_database.hpp"
 #include "slam/map.hpp"
 #include "slam/matcher.hpp"
 #include "slam/pnp.hpp"
 
 namespace depthscope::slam {
 
-/// Finds the camera in the map without knowing where it was: matches the picture's descriptors with
-/// those of one keyframe after another, and solves for the pose by P3P in RANSAC (Mur-Artal et al.
-/// 2015, section V.C).
+/// Finds the camera in the map without knowing where it was: asks the database for keyframes that
+/// look like the picture, matches its descriptors with theirs, and solves for the pose by P3P in
+/// RANSAC (Mur-Artal et al. 2015, section V.C).
 class Relocalizer {
  public:
-  Relocalizer(const SlamSettings& settings, const CameraModel& camera);
+  Relocalizer(const SlamSettings& settings, const CameraModel& camera,
+              const KeyframeDatabase& database);
 
-  /// Starts with the newest keyframe at the next call.
+  /// Starts with the most similar keyframe at the next call.
   void restart() { next_ = 0; }
-  /// Tries a bounded number of keyframes, going on where the last call stopped. True with a pose,
-  /// and in `points` (one per feature) the map points it rests on. The caller verifies it against
-  /// the local map. Map mutex held.
+  /// Tries a bounded number of the most similar keyframes, the next ones in rank at the next call.
+  /// True with a pose, and in `points` (one per feature) the map points it rests on. The caller
+  /// verifies it against the local map. Map mutex held.
   bool relocalize(const Map& map, const FeatureSet& features, Pose& T_camera_world,
                   std::span<PointRef> points);
 
  private:
   bool tryKeyframe(const Map& map, const Keyframe& keyframe, const FeatureSet& features,
                    Pose& T_camera_world, std::span<PointRef> points);
+  /// Of `matches_`, into the observations.
+  void takeNearestMatches(const Map& map, const Keyframe& keyframe, const FeatureSet& features);
 
   Intrinsics camera_;
   Matcher matcher_;
@@ -34,8 +38,9 @@ class Relocalizer {
   std::vector<PoseObservation> observations_;
   std::vector<int> feature_of_observation_;
   std::vector<PointRef> point_of_observation_;
-  std::vector<KeyframeId> order_;  // in which keyframes are tried
-  std::size_t next_ = 0;           // in order_
+  const KeyframeDatabase& database_;
+  PlaceQuery query_;
+  std::size_t next_ = 0;  // rank of the first keyframe to be tried
 };
 
 }  // namespace depthscope::slam

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 
 namespace depthscope::slam {
 
@@ -74,6 +75,7 @@ struct SlamSettings {
   InitializerSettings initializer;
   TrackerSettings tracker;
   MapperSettings mapper;
+  std::string vocabulary;  // file made by depthscope train-vocabulary; empty: the built-in one
   std::int64_t trajectory_frames = 0;  // last poses kept for correctedTrajectory(); 0: none
 };
 

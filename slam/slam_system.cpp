@@ -14,9 +14,11 @@ struct SlamSystem::Impl {
   Impl(const CameraModel& camera, const SlamSettings& settings, MappingMode mapping_mode)
       : mode(mapping_mode),
         map(settings, camera),
+        database(settings, settings.vocabulary.empty() ? Vocabulary::builtIn()
+                                                       : Vocabulary::load(settings.vocabulary)),
         trajectory(settings.trajectory_frames),
-        mapper(settings, camera, map, trajectory, mapping_mode),
-        tracker(camera, settings, map, mapper, trajectory),
+        mapper(settings, camera, map, database, trajectory, mapping_mode),
+        tracker(camera, settings, map, database, mapper, trajectory),
         place_in_cloud(static_cast<std::size_t>(map.keyframeCapacity())) {}
 
   MappingMode mode;
@@ -24,6 +26,7 @@ struct SlamSystem::Impl {
   void copyCloud(std::uint32_t map_id, SparseCloud& out) const;
 
   Map map;
+  KeyframeDatabase database;
   Trajectory trajectory;
   Mapper mapper;
   Tracker tracker;
@@ -63,10 +66,10 @@ SlamStatistics SlamSystem::statistics() const {
   const std::lock_guard lock(impl_->map.mutex);
   s.keyframes = impl_->map.keyframeCount();
   s.map_points = impl_->map.pointCount();
-  s.maps = impl_->tracker.mapsStarted();
+  s.maps = impl_->map.mapCount();
   s.lost_events = impl_->tracker.lostEvents();
   s.relocalizations = impl_->tracker.relocalizations();
-  s.map_bytes = impl_->map.bytes() + impl_->mapper.bytes();
+  s.map_bytes = impl_->map.bytes() + impl_->database.bytes() + impl_->mapper.bytes();
   return s;
 }
 

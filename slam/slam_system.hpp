@@ -27,7 +27,7 @@ struct StageTimes {
 struct SlamStatistics {
   int keyframes = 0;
   int map_points = 0;
-  int maps = 0;  // maps started so far
+  int maps = 0;  // connected maps that have keyframes
   int lost_events = 0;
   int relocalizations = 0;
   int loops_closed = 0;
@@ -44,7 +44,8 @@ struct StampedPose {
 /// called from one thread; the const functions may be called from others at the same time.
 class SlamSystem {
  public:
-  /// `camera.width/height` is the size of the pictures that track() will get.
+  /// `camera.width/height` is the size of the pictures that track() will get. Throws InputError
+  /// when the vocabulary cannot be read.
   SlamSystem(const CameraModel& camera, const SlamSettings& settings, MappingMode mode);
   ~SlamSystem();
 

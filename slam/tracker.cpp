@@ -13,8 +13,8 @@ namespace {
 constexpr int kMinFeaturesOfAPicture = 100;  // fewer: dark, fogged or covered
 }
 
-Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& map, Mapper& mapper,
-                 Trajectory& trajectory)
+Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& map,
+                 const KeyframeDatabase& database, Mapper& mapper, Trajectory& trajectory)
     : settings_(settings.tracker),
       camera_(camera),
       map_(map),
@@ -22,21 +22,22 @@ Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& m
       trajectory_(trajectory),
       extractor_(settings.extractor, camera),
       initializer_(settings, camera),
-      relocalizer_(settings, camera),
+      relocalizer_(settings, camera, database),
       pose_tracker_(camera, settings, map),
       current_(settings.extractor.features, camera),
       last_(settings.extractor.features, camera) {}
 
 PoseEstimate Tracker::track(const GrayView& image, std::int64_t frame, double timestamp_s) {
   const AllocationScope no_allocations;
+  followCorrections();
   beginFrame(image, frame, timestamp_s);
   switch (state_) {
     case TrackingState::Initializing:
       if (initialize()) state_ = TrackingState::Tracking;
       break;
     case TrackingState::Tracking:
-      if (trackFromLastFrame())
-        finishTracked();
+      if (follow())
+        offerKeyframe();
       else
         handleLoss();
       break;
@@ -45,7 +46,8 @@ PoseEstimate Tracker::track(const GrayView& image, std::int64_t frame, double ti
         ++relocalizations_;
         state_ = TrackingState::Tracking;
         finishTracked();
-      } else if (wantsNewMap() && initialize()) {
+        offerKeyframe();
+      } else if (!in_doubt_ && wantsNewMap() && initialize()) {
         state_ = TrackingState::Tracking;
       }
       break;
@@ -76,7 +78,6 @@ bool Tracker::initialize() {
       return false;
   }
   mapper_.adoptInitialMap();
-  ++maps_started_;
   const std::lock_guard lock(map_.mutex);
   for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k)
     if (map_.keyframe(k).alive && map_.keyframe(k).frame == current_.frame) reference_ = k;
@@ -94,6 +95,24 @@ bool Tracker::initialize() {
   return true;
 }
 
+bool Tracker::follow() {
+  const std::lock_guard world_stands_still(map_.world_mutex);
+  if (!trackFromLastFrame()) return false;
+  finishTracked();
+  return true;
+}
+
+/// Takes the last pose along when the mapper has moved the world since.
+void Tracker::followCorrections() {
+  const std::lock_guard lock(map_.mutex);
+  if (corrections_seen_ == map_.corrections()) return;
+  const Sim3 T_new_old = map_.correction() * correction_seen_.inverse();
+  current_.T_camera_world = T_new_old.moved(current_.T_camera_world);
+  T_current_last_.t *= T_new_old.s;
+  correction_seen_ = map_.correction();
+  corrections_seen_ = map_.corrections();
+}
+
 bool Tracker::trackFromLastFrame() {
   current_.T_camera_world =
       has_motion_ ? T_current_last_ * last_.T_camera_world : last_.T_camera_world;
@@ -108,6 +127,25 @@ bool Tracker::trackFromLastFrame() {
 }
 
 bool Tracker::relocalize() {
+  // What was found in the last frame and left in doubt must hold in this one.
+  const bool confirmed =
+      in_doubt_ && trackFromLastFrame() && inliers_ >= settings_.min_inliers_relocalized;
+  in_doubt_ = false;
+  if (!confirmed) {
+    if (!findPlace()) return false;
+    constexpr float kMinSpread = 0.3f, kSureSpread = 0.5f;
+    const float spread = inlierSpread(current_, camera_);
+    if (inliers_ < settings_.min_inliers_relocalized || spread < kMinSpread) return false;
+    in_doubt_ = inliers_ < 2 * settings_.min_inliers_relocalized || spread < kSureSpread;
+    reference_ = pose_tracker_.reference();
+    if (in_doubt_) return false;
+  }
+  const std::lock_guard lock(map_.mutex);
+  map_.activate(map_.keyframe(pose_tracker_.reference()).map_id);
+  return true;
+}
+
+bool Tracker::findPlace() {
   constexpr double kWideSearch = 4;
   {
     const std::lock_guard lock(map_.mutex);
@@ -117,9 +155,6 @@ bool Tracker::relocalize() {
   // First in wide windows, as the pose rests on few points; then as strictly as ever.
   if (pose_tracker_.trackLocalMap(current_, kWideSearch) < settings_.min_inliers) return false;
   inliers_ = pose_tracker_.trackLocalMap(current_);
-  if (inliers_ < settings_.min_inliers_relocalized) return false;
-  const std::lock_guard lock(map_.mutex);
-  map_.activate(map_.keyframe(pose_tracker_.reference()).map_id);
   return true;
 }
 
@@ -133,7 +168,7 @@ bool Tracker::wantsNewMap() {
 void Tracker::handleLoss() {
   constexpr int kYoungMapKeyframes = 5;  // a map this small is quicker made anew than found again
   ++lost_events_;
-  has_motion_ = false;
+  has_motion_ = in_doubt_ = false;
   lost_since_s_ = current_.timestamp_s;
   initializer_.reset();
   relocalizer_.restart();
@@ -161,26 +196,27 @@ void Tracker::finishTracked() {
   current_.tracked = true;
   has_motion_ = last_.tracked;
   if (has_motion_) T_current_last_ = current_.T_camera_world * last_.T_camera_world.inverse();
-  {
-    const std::lock_guard lock(map_.mutex);
+  const std::lock_guard lock(map_.mutex);
+  reference_ = pose_tracker_.reference();
+  // The mapper may have dropped it meanwhile.
+  if (reference_ == kNone || !map_.keyframe(reference_).alive) {
+    pose_tracker_.collectLocalMap(current_);
     reference_ = pose_tracker_.reference();
-    // The mapper may have dropped it meanwhile.
-    if (reference_ == kNone || !map_.keyframe(reference_).alive) {
-      pose_tracker_.collectLocalMap(current_);
-      reference_ = pose_tracker_.reference();
-    }
-    if (reference_ != kNone) recordTrajectory();
   }
+  if (reference_ != kNone) recordTrajectory();
+}
+
+void Tracker::offerKeyframe() {
   if (reference_ != kNone && needsKeyframe())
-    made_keyframe_ = mapper_.submit(current_.features,
-                                    std::span(current_.points).first(current_.features.size()),
-                                    current_.T_camera_world, current_.frame, current_.timestamp_s);
+    made_keyframe_ = mapper_.submit(
+        current_.features, std::span(current_.points).first(current_.features.size()),
+        current_.T_camera_world, correction_seen_, current_.frame, current_.timestamp_s);
 }
 
 void Tracker::recordTrajectory() {
   const Pose T_world_reference = map_.keyframe(reference_).T_camera_world.inverse();
   trajectory_.add(current_.frame, current_.timestamp_s, reference_,
-                  current_.T_camera_world * T_world_reference);
+                  current_.T_camera_world * T_world_reference, map_.keyframe(reference_).unit);
 }
 
 bool Tracker::needsKeyframe() const {
@@ -193,7 +229,8 @@ bool Tracker::needsKeyframe() const {
   return inliers_ < settings_.keyframe_ratio * reference_points;
 }
 
-PoseEstimate Tracker::report() const {
+PoseEstimate Tracker::report() {
+  followCorrections();  // the mapper may have worked in this call
   PoseEstimate e;
   e.frame = current_.frame;
   e.timestamp_s = current_.timestamp_s;

@@ -13,8 +13,8 @@ namespace depthscope::slam {
 /// and after it was lost (relocalizer).
 class Tracker {
  public:
-  Tracker(const CameraModel& camera, const SlamSettings& settings, Map& map, Mapper& mapper,
-          Trajectory& trajectory);
+  Tracker(const CameraModel& camera, const SlamSettings& settings, Map& map,
+          const KeyframeDatabase& database, Mapper& mapper, Trajectory& trajectory);
 
   PoseEstimate track(const GrayView& image, std::int64_t frame, double timestamp_s);
   /// Forgets the map and starts to look for a new one.
@@ -25,19 +25,22 @@ class Tracker {
   double lastExtractMs() const { return extract_ms_; }
   int lostEvents() const { return lost_events_; }
   int relocalizations() const { return relocalizations_; }
-  int mapsStarted() const { return maps_started_; }
 
  private:
   void beginFrame(const GrayView& image, std::int64_t frame, double timestamp_s);
   bool initialize();
   bool trackFromLastFrame();
   bool relocalize();
+  bool findPlace();
   bool wantsNewMap();
   void handleLoss();
+  bool follow();
+  void followCorrections();
   void finishTracked();
+  void offerKeyframe();
   void recordTrajectory();
   bool needsKeyframe() const;
-  PoseEstimate report() const;
+  PoseEstimate report();
 
   TrackerSettings settings_;
   CameraModel camera_;
@@ -52,11 +55,14 @@ class Tracker {
   TrackedFrame current_, last_;
   Pose T_current_last_;  // of the last two frames tracked: the motion model
   bool has_motion_ = false;
+  bool in_doubt_ = false;  // the last frame was found again, but on few points: not reported yet
   TrackingState state_ = TrackingState::Initializing;
   double lost_since_s_ = 0;
+  Sim3 correction_seen_;  // of the map's, applied to current_
+  int corrections_seen_ = 0;
   KeyframeId reference_ = kNone;  // the keyframe that shares most points with the current frame
   int inliers_ = 0;
-  int lost_events_ = 0, relocalizations_ = 0, maps_started_ = 0;
+  int lost_events_ = 0, relocalizations_ = 0;
   bool made_keyframe_ = false;
   double extract_ms_ = 0;
 };

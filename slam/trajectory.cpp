@@ -5,9 +5,9 @@
 namespace depthscope::slam {
 
 void Trajectory::add(std::int64_t frame, double timestamp_s, KeyframeId reference,
-                     const Pose& T_camera_reference) {
+                     const Pose& T_camera_reference, double unit) {
   if (records_.empty()) return;
-  records_[next_] = {frame, timestamp_s, reference, T_camera_reference};
+  records_[next_] = {frame, timestamp_s, reference, T_camera_reference, unit};
   next_ = (next_ + 1) % records_.size();
   count_ = std::min(count_ + 1, records_.size());
 }
@@ -17,8 +17,9 @@ void Trajectory::rebase(const Map& map, KeyframeId from, KeyframeId to) {
       map.keyframe(from).T_camera_world * map.keyframe(to).T_camera_world.inverse();
   for (std::size_t i = 0; i < count_; ++i) {
     if (records_[i].reference != from) continue;
-    records_[i].T_camera_reference = records_[i].T_camera_reference * T_from_to;
+    records_[i].T_camera_reference = records_[i].T_camera_reference_now(map) * T_from_to;
     records_[i].reference = to;
+    records_[i].unit = map.keyframe(to).unit;
   }
 }
 
@@ -55,7 +56,8 @@ std::vector<StampedPose> Trajectory::corrected(const Map& map, std::uint32_t map
   for (std::size_t i = 0; i < count_; ++i) {
     const Record& r = records_[(oldest + i) % records_.size()];
     if (r.reference == kNone || map.keyframe(r.reference).map_id != map_id) continue;
-    const Pose T_camera_world = r.T_camera_reference * map.keyframe(r.reference).T_camera_world;
+    const Pose T_camera_world =
+        r.T_camera_reference_now(map) * map.keyframe(r.reference).T_camera_world;
     poses.push_back({r.frame, r.timestamp_s, T_camera_world.inverse()});
   }
   return poses;

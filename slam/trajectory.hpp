@@ -14,8 +14,9 @@ class Trajectory {
     records_.resize(static_cast<std::size_t>(capacity));
   }
 
+  /// `unit` of the reference keyframe at this time: the record grows with it.
   void add(std::int64_t frame, double timestamp_s, KeyframeId reference,
-           const Pose& T_camera_reference);
+           const Pose& T_camera_reference, double unit = 1);
   /// Records that hang on keyframe `from` hang on `to` afterwards; call before `from` is removed.
   void rebase(const Map& map, KeyframeId from, KeyframeId to);
   /// Forgets the records of a connected map.
@@ -34,6 +35,12 @@ class Trajectory {
     double timestamp_s;
     KeyframeId reference;  // kNone: dropped
     Pose T_camera_reference;
+    double unit;  // Keyframe::unit of the reference when this was recorded
+
+    /// In the unit of length of now.
+    Pose T_camera_reference_now(const Map& map) const {
+      return {T_camera_reference.R, T_camera_reference.t * (map.keyframe(reference).unit / unit)};
+    }
   };
   std::vector<Record> records_;
   std::size_t count_ = 0, next_ = 0;

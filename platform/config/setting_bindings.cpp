@@ -66,6 +66,10 @@ void bindCapture(Binder& b, CaptureSettings& s) {
 }
 
 void bindSlam(Binder& b, slam::SlamSettings& s) {
+  b.section("slam");
+  b.text("vocabulary", s.vocabulary,
+         "file made by depthscope train-vocabulary; empty: the built-in one");
+
   b.section("slam.extractor");
   b.number("features", s.extractor.features, 100, 10000,
            "features kept per frame, over all levels");

@@ -12,6 +12,7 @@
 #include "platform/tool/control_commands.hpp"
 #include "platform/tool/devices_command.hpp"
 #include "platform/version.hpp"
+#include "platform/vocabulary/train_vocabulary_command.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::platform {
@@ -28,6 +29,7 @@ constexpr Command commands[] = {
     {"evaluate", evaluateCommand, "judge a run against ground truth"},
     {"calibrate", calibrateCommand, "make a camera file from pictures of a board"},
     {"devices", devicesCommand, "what capture cards and pedals there are, and which card would be taken"},
+    {"train-vocabulary", trainVocabularyCommand, "make the words by which places are recognised"},
     {"status", statusCommand, "what the running daemon does (--json for scripts)"},
     {"reconstruct", reconstructCommand, "make a new surface now"},
     {"overlay", overlayCommand,
@@ -42,7 +44,7 @@ void printHelp() {
   std::puts(
       "depthscope - depth cues and annotations for monocular endoscopy\n\nUSAGE\n"
       "  depthscope COMMAND [ARGUMENTS]   (depthscope COMMAND --help says more)\n\nCOMMANDS");
-  for (const Command& c : commands) std::printf("  %-14s %s\n", c.name.data(), c.summary);
+  for (const Command& c : commands) std::printf("  %-17s %s\n", c.name.data(), c.summary);
   std::puts(
       "\nEXIT STATUS\n  0 done; 1 the program failed; 2 bad arguments or files, one line on "
       "stderr");

@@ -95,6 +95,29 @@ TEST_F(BadInput, UnknownArgumentsAndSettings) {
   expectRefused(video(), camera(), {"--set", "overlay.opacity=2"}, {"overlay.opacity", "0 to 1"});
   expectRefused(video(), camera(), {"--config", "/no/such.toml"}, {"/no/such.toml"});
   expectRefused(video(), camera(), {"--label", "nowhere"}, {"nowhere"});
+  expectRefused(video(), camera(), {"--set", "slam.vocabulary=/no/such.voc"}, {"/no/such.voc"});
+}
+
+TEST(Tool, TrainsTheSameVocabularyTwice) {
+  const TemporaryFolder folder;
+  std::string bytes[2];
+  for (std::string& b : bytes) {
+    const std::string out = folder.path() / "words.voc";
+    const ProgramResult result = runProgram({"depthscope", "train-vocabulary", "--input", sample,
+                                             "--out", out, "--every", "90", "--levels", "2"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_THAT(result.out, HasSubstr("100 words from 5 pictures"));
+    b = readFile(out);
+  }
+  EXPECT_GT(bytes[0].size(), 4000u);
+  EXPECT_EQ(bytes[0], bytes[1]);
+}
+
+TEST(Tool, TrainingRefusesWhatIsNoClip) {
+  const ProgramResult result = runProgram(
+      {"depthscope", "train-vocabulary", "--input", "/no/such/folder", "--out", "/tmp/x.voc"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("/no/such/folder"));
 }
 
 TEST(Tool, RefusesUnknownCommands) {
@@ -104,8 +127,8 @@ TEST(Tool, RefusesUnknownCommands) {
 }
 
 TEST(Tool, EveryCommandHasHelp) {
-  for (const char* command : {"replay", "evaluate", "calibrate", "status", "reconstruct", "overlay", "label",
-                              "snapshot", "export", "reset"}) {
+  for (const char* command : {"replay", "evaluate", "calibrate", "train-vocabulary", "status",
+                              "reconstruct", "overlay", "label", "snapshot", "export", "reset"}) {
     const ProgramResult result = runProgram({"depthscope", command, "--help"});
     EXPECT_EQ(result.status, 0) << command;
     EXPECT_THAT(result.out, HasSubstr(std::string("depthscope ") + command));

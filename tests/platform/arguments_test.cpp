@@ -24,6 +24,14 @@ TEST(Arguments, KeepsTheOrderOfRepeatedOptions) {
   EXPECT_THAT(a.values("--set"), ElementsAre("a=1", "b=2", "a=3"));
 }
 
+TEST(Arguments, TakesAllWordsThatAreNoOptions) {
+  Arguments a({"x", "--fast", "y"});
+  EXPECT_THAT(a.positionals(), ElementsAre("x", "y"));
+  EXPECT_THAT(a.positionals(), ElementsAre());
+  EXPECT_TRUE(a.flag("--fast"));
+  EXPECT_NO_THROW(a.finish());
+}
+
 TEST(Arguments, DoesNotMistakeALongerName) {
   Arguments a({"--inputs", "x"});
   EXPECT_EQ(a.value("--input"), std::nullopt);

@@ -166,13 +166,20 @@ TEST(MapCuller, DropsARecentPointThatIsSeldomFound) {
   EXPECT_FALSE(m.map.point(m.point_of[0]).alive);
 }
 
+KeyframeDatabase databaseOf(const MappedWorld& m) {
+  KeyframeDatabase database(smallSettings(), Vocabulary::builtIn());
+  for (const KeyframeId k : m.keyframes) database.add(m.map, k);
+  return database;
+}
+
 TEST(Relocalizer, FindsTheCameraFromDescriptorsAlone) {
   const World world(300);
   MappedWorld m(smallSettings(), world, sidewaysPoses(5));
   const Pose truth = cameraAt({0.7, 0.1, 0.3}, {0.02, -0.05, 0.1});
   std::vector<int> ids;
   const FeatureSet features = world.view(truth, ids, 0.5);
-  Relocalizer relocalizer(smallSettings(), testCameraModel());
+  const KeyframeDatabase database = databaseOf(m);
+  Relocalizer relocalizer(smallSettings(), testCameraModel(), database);
   Pose found;
   std::vector<PointRef> points(400);
   ASSERT_TRUE(relocalizer.relocalize(m.map, features, found, points));
@@ -185,7 +192,8 @@ TEST(Relocalizer, RefusesAPlaceThatIsNotInTheMap) {
   MappedWorld m(smallSettings(), world, sidewaysPoses(5));
   std::vector<int> ids;
   const FeatureSet features = elsewhere.view(Pose{}, ids);
-  Relocalizer relocalizer(smallSettings(), testCameraModel());
+  const KeyframeDatabase database = databaseOf(m);
+  Relocalizer relocalizer(smallSettings(), testCameraModel(), database);
   Pose found;
   std::vector<PointRef> points(400);
   EXPECT_FALSE(relocalizer.relocalize(m.map, features, found, points));

@@ -228,7 +228,7 @@ TEST(SlamSystem, ResetForgetsTheMap) {
   EXPECT_TRUE(slam.correctedTrajectory().empty());
   const auto again = run(slam, world, 20, 40);
   EXPECT_EQ(again.back().state, TrackingState::Tracking);
-  EXPECT_EQ(slam.statistics().maps, 2);
+  EXPECT_EQ(slam.statistics().maps, 1);
 }
 
 }  // namespace

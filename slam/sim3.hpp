@@ -23,7 +23,13 @@ struct Sim3 {
 
   Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return s * (R * p) + t; }
   Sim3 operator*(const Sim3& b) const { return {s * b.s, R * b.R, s * (R * b.t) + t}; }
-  Sim3 inverse() const { return {1 / s, R.transpose(), -(1 / s) * (R.transpose() * t)}; }
+  Sim3 inverse() const {
+    Sim3 T;
+    T.s = 1 / s;
+    T.R = R.transpose();
+    T.t = -T.s * (T.R * t);
+    return T;
+  }
   bool allFinite() const { return std::isfinite(s) && R.allFinite() && t.allFinite(); }
 
   /// The camera whose world was moved by this similarity `T_new_old`: T_camera_old in the new

@@ -7,6 +7,7 @@
 #include "platform/config/config_file.hpp"
 #include "platform/daemon/open_source.hpp"
 #include "platform/footswitch/keyboard_pedal.hpp"
+#include "platform/tool/list_displays.hpp"
 
 namespace depthscope::platform {
 namespace {
@@ -16,8 +17,9 @@ constexpr const char* help =
 
   Lists the capture cards that are there, their inputs, signals and pixel formats, and which of them
   the daemon would take: with --config as capture.device says, without it as "auto" would. A card is
-  named in the configuration by its path, a link to it, name:TEXT or bus:TEXT. Then what a pedal
-  can be: keyboards and GPIO lines with a name. Changes nothing.
+  named in the configuration by its path, a link to it, name:TEXT or bus:TEXT. Then the graphics
+  cards with their connectors and modes, and the one that would be lit; and what a pedal can be:
+  keyboards and GPIO lines with a name. Changes nothing.
 )";
 
 void printFormat(std::ostream& out, const capture::CaptureFormat& format) {
@@ -97,6 +99,9 @@ int devicesCommand(Arguments arguments) {
   else
     std::cout << "capture.device is empty: pictures come from capture.input\n\n";
   printDevices(std::cout, kernel::realSystemCalls(), cardSettings(settings.capture, camera));
+  printDisplays(std::cout, kernel::realSystemCalls(), settings.display, camera.width, camera.height,
+                settings.capture.fps > 0 ? settings.capture.fps : camera.fps);
+  std::cout << '\n';
   printPedals(std::cout, kernel::realSystemCalls(), *makeGpioChips());
   return 0;
 }

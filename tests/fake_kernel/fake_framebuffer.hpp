@@ -72,21 +72,21 @@ class FakeFramebuffer final : public FakeDevice {
     explicit File(FakeFramebuffer& owner) : fb(owner) {}
     int ioctl(unsigned long request, void* argument) override {
       if (!fb.present_) return -ENODEV;
-      auto& var = *static_cast<fb_var_screeninfo*>(argument);
+      auto* var = static_cast<fb_var_screeninfo*>(argument);
       switch (request) {
         case FBIOGET_VSCREENINFO:
-          var = fb.var_;
+          *var = fb.var_;
           return 0;
         case FBIOGET_FSCREENINFO:
           *static_cast<fb_fix_screeninfo*>(argument) = fb.fix_;
           return 0;
         case FBIOPUT_VSCREENINFO:
-          if (var.yres_virtual * fb.fix_.line_length > fb.fix_.smem_len) return -EINVAL;
-          fb.var_ = var;
+          if (var->yres_virtual * fb.fix_.line_length > fb.fix_.smem_len) return -EINVAL;
+          fb.var_ = *var;
           return 0;
         case FBIOPAN_DISPLAY:
-          if (!fb.can_pan || var.yoffset + fb.var_.yres > fb.var_.yres_virtual) return -EINVAL;
-          fb.var_.yoffset = var.yoffset;
+          if (!fb.can_pan || var->yoffset + fb.var_.yres > fb.var_.yres_virtual) return -EINVAL;
+          fb.var_.yoffset = var->yoffset;
           return 0;
         case FBIOBLANK:
           ++fb.unblanked;

@@ -3,7 +3,11 @@
 // dropped, none repeated, the first one there within a second, the overlay gone within its age
 // limit each time, and back afterwards.
 //
-//   ar_faults [SECONDS [KILLS [STOPS]]]     60 20 5 when nothing is said
+//   ar_faults [SECONDS [KILLS [STOPS [SPARED_MS]]]]     60 20 5 0 when nothing is said
+//
+// SPARED_MS is for machines that others use too: for so long in all the machine may have kept the
+// processor from the daemon (pictures that the source passed over for that reason, and a later
+// start).
 #include <signal.h>
 #include <unistd.h>
 
@@ -121,7 +125,8 @@ bool waitForOverlay(const std::string& socket, std::chrono::seconds limit) {
 
 class Run {
  public:
-  Run(double seconds, int kills, int stops) : seconds_(seconds), kills_(kills), stops_(stops) {
+  Run(double seconds, int kills, int stops, double spared_ms)
+      : seconds_(seconds), kills_(kills), stops_(stops), spared_ms_(spared_ms) {
     std::string pattern = (fs::temp_directory_path() / "ar-faults-XXXXXX").string();
     if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
     folder_ = pattern;
@@ -138,6 +143,7 @@ class Run {
 
   double seconds_;
   int kills_, stops_;
+  double spared_ms_;
   fs::path folder_;
   long long started_us_ = 0;
   std::vector<Fault> faults_;
@@ -199,9 +205,10 @@ int Run::judge(const json& last) {
       faults_.size(), kills_ + stops_, static_cast<double>(longest_us) / 1000, late, gone);
   std::printf("video delay %s\noverlay age %s\nstages %s\n", last["video_delay_ms"].dump().c_str(),
               last["overlay_age_ms"].dump().c_str(), last["stages_ms"].dump().c_str());
-  const bool good = dropped == 0 && repeated == 0 && last.value("frames_given_up", -1L) == 0 &&
-                    first_ms <= 1000 && late == 0 && gone == 0 &&
-                    static_cast<int>(faults_.size()) == kills_ + stops_;
+  const double passed_over_ms = static_cast<double>(dropped) * 1000 / 30;
+  const bool good = passed_over_ms <= spared_ms_ && repeated == 0 &&
+                    last.value("frames_given_up", -1L) == 0 && first_ms <= 1000 + spared_ms_ &&
+                    late == 0 && gone == 0 && static_cast<int>(faults_.size()) == kills_ + stops_;
   std::printf("%s\n", good ? "as promised" : "NOT as promised");
   return good ? 0 : 1;
 }
@@ -236,8 +243,9 @@ int Run::go() {
 int main(int argc, char** argv) {
   const double seconds = argc > 1 ? std::atof(argv[1]) : 60;
   const int kills = argc > 2 ? std::atoi(argv[2]) : 20, stops = argc > 3 ? std::atoi(argv[3]) : 5;
+  const double spared_ms = argc > 4 ? std::atof(argv[4]) : 0;
   try {
-    return depthscope::platform::Run(seconds, kills, stops).go();
+    return depthscope::platform::Run(seconds, kills, stops, spared_ms).go();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "ar_faults: %s\n", error.what());
     return 1;

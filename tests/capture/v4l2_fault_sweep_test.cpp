@@ -134,11 +134,11 @@ void sweep(const FakeV4l2Card::Options& options) {
   std::vector<FaultPlan> kinds;
   for (const bool forever : {false, true}) {
     for (const int error : {EIO, ENODEV, EAGAIN, EINTR, EINVAL})
-      kinds.push_back({0, forever, FaultPlan::Kind::Error, error, {}});
-    kinds.push_back({0, forever, FaultPlan::Kind::Short, 0, {}});
+      kinds.push_back({.forever = forever, .error = error});
+    kinds.push_back({.forever = forever, .kind = FaultPlan::Kind::Short});
   }
-  kinds.push_back({0, false, FaultPlan::Kind::Late, 0, kLate});
-  kinds.push_back({0, true, FaultPlan::Kind::Late, 0, 3ms});
+  kinds.push_back({.kind = FaultPlan::Kind::Late, .delay = kLate});
+  kinds.push_back({.forever = true, .kind = FaultPlan::Kind::Late, .delay = 3ms});
   int injected = 0, failures = 0;
   for (FaultPlan plan : kinds)
     for (plan.call = 1; plan.call <= calls; ++plan.call) {

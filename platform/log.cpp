@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
-#include <cstdlib>
+#include <cerrno>
+
+#include "platform/journal.hpp"
 
 namespace depthscope::platform {
 namespace {
@@ -41,9 +43,13 @@ std::string formatLogLine(LogPriority priority, std::string_view message,
 }
 
 void log(LogPriority priority, std::string_view message, std::initializer_list<LogField> fields) {
-  static const bool journal =
-      std::getenv("JOURNAL_STREAM") != nullptr;  // NOLINT(concurrency-mt-unsafe)
-  std::string line = formatLogLine(priority, message, fields, journal);
+  static const bool under_journal = stderrIsJournal();
+  if (under_journal) {
+    static const Journal journal;
+    if (journal.send(journalEntry(priority, program_invocation_short_name, message, fields)))
+      return;
+  }
+  std::string line = formatLogLine(priority, message, fields, under_journal);
   line += '\n';
   // A log that cannot be written must not stop the picture: the result is of no use.
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line.data(), line.size());

@@ -30,8 +30,9 @@ struct LogField {
 };
 
 /// Writes one line to stderr: `message key=value ...`, in one write, so that lines of several
-/// threads do not mix; values with spaces are quoted, control characters replaced. Under the
-/// journal (JOURNAL_STREAM is set) the line starts with its priority as sd-daemon(3) defines it.
+/// threads do not mix; values with spaces are quoted, control characters replaced. Where stderr is
+/// the journal's, the message goes to the journal with its fields (platform/journal.hpp); should
+/// that not take it, the line starts with its priority as sd-daemon(3) defines it.
 void log(LogPriority priority, std::string_view message,
          std::initializer_list<LogField> fields = {});
 

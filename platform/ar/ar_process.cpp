@@ -73,6 +73,7 @@ bool ArProcess::handleCommands() {
     if (kind == WireCommand::Reconstruct) live_.requestSurface();
     if (kind == WireCommand::Label) labels_.request(std::move(label));
     if (kind == WireCommand::Reset) reset();
+    if (kind == WireCommand::SurfacePeriod) live_.setSurfacePeriod(wire.x);
   }
 }
 

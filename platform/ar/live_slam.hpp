@@ -20,6 +20,8 @@ class LiveSlam {
   PoseEstimate track(const GrayView& luma, std::int64_t frame, double timestamp_s);
   /// The next tracked frame asks for a surface. From the tracking thread.
   void requestSurface() { surface_wanted_ = true; }
+  /// A new surface this often [s], from now on; 0: on demand only. From the tracking thread.
+  void setSurfacePeriod(double period_s) { schedule_ = SurfaceSchedule(period_s); }
   /// Swaps the newest surface into `mesh` if there is a new one, of the active map.
   bool takeSurface(SurfaceMesh& mesh);
   /// Forgets everything and starts over. From the tracking thread.

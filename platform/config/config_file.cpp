@@ -196,15 +196,29 @@ void checkConsistency(const Settings& settings) {
 
 std::string documentedConfig() {
   Settings defaults;
-  std::string out = "# Every key with its default. Remove the '#' before a key to change it.\n";
+  std::string out =
+      "# Every key with its default. Remove the '#' before a key to change it. Those marked live take\n"
+      "# effect when the service is reloaded, the others when it is restarted.\n";
   std::string last;
   for (const Setting& s : settingTable(defaults)) {
     if (s.section() != last) {
       last = s.section();
       out += "\n[" + last + "]\n";
     }
-    out += "# " + std::string(s.doc) + " (" + expectation(s) + ")\n#" + std::string(s.name()) +
+    out += "# " + std::string(s.doc) + " (" + expectation(s) + (s.live ? "; live" : "") + ")\n#" + std::string(s.name()) +
            " = " + valueAsToml(s) + "\n";
+  }
+  return out;
+}
+
+std::string settingsAsToml(Settings settings) {
+  std::string out, last;
+  for (const Setting& s : settingTable(settings)) {
+    if (s.section() != last) {
+      last = s.section();
+      out += "[" + last + "]\n";
+    }
+    out += std::string(s.name()) + " = " + valueAsToml(s) + "\n";
   }
   return out;
 }

@@ -23,4 +23,7 @@ void checkConsistency(const Settings& settings);
 /// A configuration file with every key at its default, each with its meaning and range.
 std::string documentedConfig();
 
+/// A configuration file that sets every key to its value in `settings`.
+std::string settingsAsToml(Settings settings);
+
 }  // namespace depthscope::platform

@@ -8,17 +8,22 @@ namespace {
 class Binder {
  public:
   /// Keys that follow belong to this section.
-  void section(std::string_view name) { section_ = name; }
+  void section(std::string_view name) {
+    section_ = name;
+    live_ = false;
+  }
+  /// Those that follow, up to the next section, may change while the daemon runs, or not.
+  void live(bool may_change) { live_ = may_change; }
 
   template <class T>
   void number(std::string_view name, T& field, double min, double max, std::string_view doc) {
-    table_.push_back({path(name), &field, min, max, doc});
+    table_.push_back({path(name), &field, min, max, doc, live_});
   }
   void flag(std::string_view name, bool& field, std::string_view doc) {
-    table_.push_back({path(name), &field, 0, 0, doc});
+    table_.push_back({path(name), &field, 0, 0, doc, live_});
   }
   void text(std::string_view name, std::string& field, std::string_view doc) {
-    table_.push_back({path(name), &field, 0, 0, doc});
+    table_.push_back({path(name), &field, 0, 0, doc, live_});
   }
   /// `names` in the order of the enumerators.
   template <class Enum>
@@ -26,13 +31,14 @@ class Binder {
               std::string_view doc) {
     ChoiceField choice{std::move(names), [&field] { return static_cast<std::size_t>(field); },
                        [&field](std::size_t i) { field = static_cast<Enum>(i); }};
-    table_.push_back({path(name), std::move(choice), 0, 0, doc});
+    table_.push_back({path(name), std::move(choice), 0, 0, doc, live_});
   }
   std::vector<Setting> take() { return std::move(table_); }
 
  private:
   std::string path(std::string_view name) const { return section_ + "." + std::string(name); }
   std::string section_;
+  bool live_ = false;
   std::vector<Setting> table_;
 };
 
@@ -140,7 +146,9 @@ void bindSlam(Binder& b, slam::SlamSettings& s) {
 
 void bindRecon(Binder& b, recon::ReconSettings& s) {
   b.section("recon");
+  b.live(true);
   b.number("period_s", s.period_s, 0, 3600, "a new surface this often; 0: only on demand");
+  b.live(false);
   b.number("min_points", s.min_points, 10, 1000000,
            "fewer after the filters: no surface is attempted");
   b.number("max_points", s.max_points, 100, 1000000,
@@ -188,15 +196,11 @@ void bindRecon(Binder& b, recon::ReconSettings& s) {
 
 void bindOverlay(Binder& b, overlay::OverlaySettings& s) {
   b.section("overlay");
+  b.live(true);
   b.choice("cue", s.cue, {"off", "chromadepth", "mesh"}, "how depth is shown");
   b.number("opacity", s.opacity, 0, 1, "of the cue over the picture");
   b.flag("inset", s.inset, "the turned-aside view of the mesh in a corner");
   b.flag("labels", s.labels, "show labels");
-  b.number("max_age_ms", s.max_age_ms, 10, 1000,
-           "an overlay older than this is gone; it fades before");
-  b.number("label_height_px", s.label_height_px, 0, 400,
-           "of the text; 0: from the picture's height");
-  b.text("font_file", s.font_file, "TrueType file; empty: DejaVu Sans where Debian puts it");
   b.number("gone_confidence", s.gone_confidence, 0, 1,
            "of the pose, at or below which nothing is drawn over the picture");
   b.number("full_confidence", s.full_confidence, 0, 1,
@@ -206,6 +210,12 @@ void bindOverlay(Binder& b, overlay::OverlaySettings& s) {
   b.number("inset_turn_deg", s.inset_turn_deg, -89, 89,
            "of the turned-aside view, about the picture's vertical axis");
   b.number("inset_width", s.inset_width, 0.05, 0.5, "of the picture's width");
+  b.live(false);
+  b.number("max_age_ms", s.max_age_ms, 10, 1000,
+           "an overlay older than this is gone; it fades before");
+  b.number("label_height_px", s.label_height_px, 0, 400,
+           "of the text; 0: from the picture's height");
+  b.text("font_file", s.font_file, "TrueType file; empty: DejaVu Sans where Debian puts it");
   b.number("max_labels", s.max_labels, 0, 256,
            "memory is set aside for so many; later ones are left out");
 }

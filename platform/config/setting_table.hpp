@@ -26,6 +26,7 @@ struct Setting {
   SettingField field;
   double min = 0, max = 0;  // allowed range of numbers, both ends included
   std::string_view doc;     // one line
+  bool live = false;        // may change while the daemon runs (SIGHUP)
 
   std::string_view section() const { return std::string_view(key).substr(0, key.rfind('.')); }
   std::string_view name() const { return std::string_view(key).substr(key.rfind('.') + 1); }

@@ -7,13 +7,15 @@
 #include <cerrno>
 #include <system_error>
 
+#include "platform/daemon/settings_file.hpp"
 #include "platform/log.hpp"
 
 namespace depthscope::platform {
 namespace {
 
 // Where the AR process finds what it is handed; ours are kept clear of these numbers.
-constexpr int child_memory_fd = 3, child_commands_fd = 4, child_event_fd = 5;
+constexpr int child_memory_fd = 3, child_commands_fd = 4, child_event_fd = 5,
+              child_settings_fd = 6;
 constexpr int first_own_fd = 16;
 
 std::chrono::nanoseconds seconds(double s) {
@@ -30,20 +32,26 @@ UniqueFd copyAbove(int fd) {
 }  // namespace
 
 ArSupervisor::ArSupervisor(std::vector<std::string> command, const SharedMemory& memory,
-                           int frame_event, const DaemonSettings& settings)
+                           int frame_event, const Settings& settings)
     : command_(std::move(command)),
       memory_(memory),
       frame_event_(frame_event),
-      heartbeat_timeout_(seconds(settings.heartbeat_timeout_s)),
-      nice_(settings.ar_nice),
-      memory_bytes_(static_cast<std::uint64_t>(settings.ar_memory_mb) << 20),
-      policy_(seconds(settings.restart_min_s), seconds(settings.restart_max_s)) {
+      settings_file_(makeSettingsFile(settings)),
+      heartbeat_timeout_(seconds(settings.daemon.heartbeat_timeout_s)),
+      nice_(settings.daemon.ar_nice),
+      memory_bytes_(static_cast<std::uint64_t>(settings.daemon.ar_memory_mb) << 20),
+      policy_(seconds(settings.daemon.restart_min_s), seconds(settings.daemon.restart_max_s)) {
   const auto option = [&](const char* name, int fd) {
     command_.insert(command_.end(), {name, std::to_string(fd)});
   };
   option("--shared-memory", child_memory_fd);
   option("--commands", child_commands_fd);
   option("--frame-event", child_event_fd);
+  command_.insert(command_.end(), {"--config", "/proc/self/fd/" + std::to_string(child_settings_fd)});
+}
+
+void ArSupervisor::configure(const Settings& settings) {
+  settings_file_ = makeSettingsFile(settings);
 }
 
 void ArSupervisor::tick(Clock::time_point now) {
@@ -63,10 +71,11 @@ void ArSupervisor::start(Clock::time_point now) {
     commands_ = UniqueFd(pair[0]);
     const UniqueFd theirs(pair[1]);
     const UniqueFd memory = copyAbove(memory_.fd()), commands = copyAbove(theirs.get()),
-                   event = copyAbove(frame_event_);
-    const std::array<std::pair<int, int>, 3> descriptors{{{memory.get(), child_memory_fd},
+                   event = copyAbove(frame_event_), settings = copyAbove(settings_file_.get());
+    const std::array<std::pair<int, int>, 4> descriptors{{{memory.get(), child_memory_fd},
                                                           {commands.get(), child_commands_fd},
-                                                          {event.get(), child_event_fd}}};
+                                                          {event.get(), child_event_fd},
+                                                          {settings.get(), child_settings_fd}}};
     // What a predecessor left is of another map.
     PoseEstimate nothing_yet;
     nothing_yet.frame = 0;

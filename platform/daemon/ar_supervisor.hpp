@@ -19,7 +19,10 @@ class ArSupervisor {
   /// `program` and `arguments` of the AR process. The memory and the eventfd outlive the
   /// supervisor.
   ArSupervisor(std::vector<std::string> command, const SharedMemory& memory, int frame_event,
-               const DaemonSettings& settings);
+               const Settings& settings);
+
+  /// What AR processes started from now on are configured with. Throws std::system_error.
+  void configure(const Settings& settings);
 
   /// To be called often: starts, reaps, kills what is silent for too long.
   void tick(Clock::time_point now);
@@ -37,6 +40,7 @@ class ArSupervisor {
   std::vector<std::string> command_;
   const SharedMemory& memory_;
   int frame_event_;
+  UniqueFd settings_file_;
   std::chrono::nanoseconds heartbeat_timeout_;
   int nice_;
   std::uint64_t memory_bytes_;

@@ -57,10 +57,10 @@ bool writeAll(int fd, std::string_view bytes) {
 
 }  // namespace
 
-ControlRequests::ControlRequests(Settings settings, const CameraModel& camera,
+ControlRequests::ControlRequests(Settings& settings, const CameraModel& camera,
                                  const SharedMemory& memory, ArSupervisor& ar, VideoRequests& video,
                                  const VideoReport& report, const Footswitch& footswitch)
-    : settings_(std::move(settings)),
+    : settings_(settings),
       camera_(camera),
       memory_(memory),
       ar_(ar),

@@ -15,7 +15,7 @@ namespace depthscope::platform {
 /// thread.
 class ControlRequests {
  public:
-  ControlRequests(Settings settings, const CameraModel& camera, const SharedMemory& memory,
+  ControlRequests(Settings& settings, const CameraModel& camera, const SharedMemory& memory,
                   ArSupervisor& ar, VideoRequests& video, const VideoReport& report,
                   const Footswitch& footswitch);
 
@@ -33,7 +33,7 @@ class ControlRequests {
   std::string snapshot();
   std::string exportSurface(UniqueFd file) const;
 
-  Settings settings_;
+  Settings& settings_;  // the overlay's are changed on request
   CameraModel camera_;
   const SharedMemory& memory_;
   ArSupervisor& ar_;

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "platform/config/live_settings.hpp"
 #include "platform/daemon/open_source.hpp"
 #include "platform/daemon/real_time.hpp"
 #include "platform/log.hpp"
@@ -37,6 +38,14 @@ UniqueFd makeEvent() {
   return fd;
 }
 
+/// systemd holds the job of a reload open until READY=1; newer ones ask for the time it began.
+void sayReloading() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  ::sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld",
+               static_cast<long long>(now.tv_sec) * 1000000 + now.tv_nsec / 1000);
+}
+
 SharedCapacity capacity(const DaemonOptions& options) {
   return {static_cast<std::uint32_t>(options.camera.width),
           static_cast<std::uint32_t>(options.camera.height),
@@ -48,15 +57,14 @@ std::vector<std::string> arCommand(const DaemonOptions& options) {
   std::string program = options.settings.daemon.ar_program;
   if (program.empty())
     program = std::filesystem::read_symlink("/proc/self/exe").replace_filename("depthscope-ar");
-  std::vector<std::string> command{program};
-  command.insert(command.end(), options.ar_arguments.begin(), options.ar_arguments.end());
-  return command;
+  return {program, "--camera", options.settings.capture.camera};
 }
 
 }  // namespace
 
 Daemon::Daemon(const DaemonOptions& options)
     : options_(options),
+      settings_(options.settings),
       signals_(makeSignals()),
       frame_event_(makeEvent()),
       source_(openSource(options.settings.capture, options.camera)),
@@ -65,10 +73,10 @@ Daemon::Daemon(const DaemonOptions& options)
       display_(makeDisplay(options.settings.display, kernel::realSystemCalls(),
                            options.camera.width, options.camera.height, fps_)),
       link_(memory_, frame_event_.get(), options.settings.overlay.max_age_ms),
-      ar_(arCommand(options), memory_, frame_event_.get(), options.settings.daemon),
+      ar_(arCommand(options), memory_, frame_event_.get(), settings_),
       gpio_(makeGpioChips()),
       footswitch_(options.settings.footswitch, *gpio_, kernel::realSystemCalls()),
-      control_requests_(options.settings, options.camera, memory_, ar_, video_requests_, report_,
+      control_requests_(settings_, options.camera, memory_, ar_, video_requests_, report_,
                         footswitch_),
       control_(options.settings.daemon.control_socket,
                [this](std::string_view line, UniqueFd attached) {
@@ -138,8 +146,7 @@ bool Daemon::handleSignals() {
   signalfd_siginfo info;
   while (::read(signals_.get(), &info, sizeof info) == static_cast<ssize_t>(sizeof info)) {
     if (info.ssi_signo != SIGHUP) return false;
-    log(LogPriority::Notice,
-        "SIGHUP: the configuration is read at start only, restart to change it");
+    reload();
   }
   return true;
 }
@@ -149,6 +156,27 @@ void Daemon::serveFootswitch(std::span<const pollfd> descriptors) {
   const std::string answer = control_requests_.footswitchPressed();
   log(answer.starts_with("ok") ? LogPriority::Info : LogPriority::Warning, "footswitch pressed",
       {{"answer", answer}});
+}
+
+/// Reads the configuration again and applies what may change at run time; a file with a mistake in
+/// it changes nothing.
+void Daemon::reload() {
+  sayReloading();
+  try {
+    const double period_s = settings_.recon.period_s;
+    const SettingsChange change =
+        adoptLiveSettings(settings_, readSettings(options_.config, options_.overrides));
+    ar_.configure(settings_);
+    if (settings_.recon.period_s != period_s)
+      ar_.send(encodeSurfacePeriod(settings_.recon.period_s));
+    video_requests_.setOverlay(settings_.overlay);
+    log(LogPriority::Notice, "configuration read again",
+        {{"applied", change.applied}, {"needs_restart", change.needs_restart}});
+  } catch (const std::exception& error) {
+    log(LogPriority::Error, "configuration not read again, the old one stays in force",
+        {{"error", error.what()}});
+  }
+  ::sd_notify(0, "READY=1");
 }
 
 /// Tells systemd that the service is up once a picture went out, and that all is well as long as

@@ -31,11 +31,13 @@ class Daemon {
   std::unique_ptr<VideoLoop> makeLoop(LayerSource& layers);
   bool handleSignals();
   void serveFootswitch(std::span<const pollfd> descriptors);
+  void reload();
   void feedWatchdog();
   void logSource();
   void logEnd() const;
 
   const DaemonOptions options_;
+  Settings settings_;  // those in force: the options', as changed since
   UniqueFd signals_, frame_event_;
   std::unique_ptr<capture::FrameSource> source_;
   double fps_;

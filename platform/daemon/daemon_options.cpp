@@ -19,7 +19,9 @@ SYNOPSIS
 DESCRIPTION
   Captures pictures from a card (capture.device; "depthscope devices" lists them) or plays a clip
   (capture.input), composites and shows them; starts depthscope-ar, which tracks and reconstructs, and starts
-  it again whenever it ends. The picture never waits for it. Stops on SIGTERM and SIGINT.
+  it again whenever it ends. The picture never waits for it. Stops on SIGTERM and SIGINT. SIGHUP makes it
+  read its configuration again: what is marked live in --print-config takes effect at once, the log names
+  the keys that need a restart, and a file with a mistake in it changes nothing.
 
 OPTIONS
   --config FILE   configuration (TOML)
@@ -33,14 +35,21 @@ EXIT STATUS
   2  bad arguments or files; one line on stderr says which and what was expected
 )";
 
+Settings readSettings(const std::string& config, const std::vector<std::string>& overrides) {
+  Settings settings;
+  loadConfig(config, settings);
+  for (const std::string& assignment : overrides) applyOverride(assignment, settings);
+  checkConsistency(settings);
+  return settings;
+}
+
 DaemonOptions parseDaemonOptions(Arguments arguments) {
   DaemonOptions options;
-  const std::string config = arguments.required("--config");
-  const auto overrides = arguments.values("--set");
+  options.config = arguments.required("--config");
+  options.overrides = arguments.values("--set");
   arguments.finish();
-  loadConfig(config, options.settings);
-  for (const std::string& assignment : overrides) applyOverride(assignment, options.settings);
-  checkConsistency(options.settings);
+  options.settings = readSettings(options.config, options.overrides);
+  const std::string& config = options.config;
   const CaptureSettings& capture = options.settings.capture;
   try {
     checkCapture(capture);
@@ -51,9 +60,6 @@ DaemonOptions parseDaemonOptions(Arguments arguments) {
     throw InputError(config + ": capture.camera: is missing, expected a camera file");
   options.camera = loadCameraFile(capture.camera);
   if (capture.fps > 0) options.camera.fps = capture.fps;
-  options.ar_arguments = {"--config", config, "--camera", capture.camera};
-  for (const std::string& assignment : overrides)
-    options.ar_arguments.insert(options.ar_arguments.end(), {"--set", assignment});
   return options;
 }
 

@@ -12,11 +12,15 @@ namespace depthscope::platform {
 struct DaemonOptions {
   Settings settings;
   CameraModel camera;
-  std::vector<std::string> ar_arguments;  // for depthscope-ar: the same configuration again
+  std::string config;                  // the file the settings came from, for reading it again
+  std::vector<std::string> overrides;  // section.key=value, over those of the file
 };
 
 /// Reads the command line and the files it names. Throws InputError.
 DaemonOptions parseDaemonOptions(Arguments arguments);
+
+/// The file's settings with the overrides over them, checked. Throws InputError.
+Settings readSettings(const std::string& config, const std::vector<std::string>& overrides);
 
 /// The text of `depthscoped --help`.
 extern const char* const daemon_help;

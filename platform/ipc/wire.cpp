@@ -115,13 +115,23 @@ WireCommand encodeCommand(WireCommand::Kind kind, const LabelRequest& label) {
   return wire;
 }
 
+WireCommand encodeSurfacePeriod(double period_s) {
+  WireCommand wire{};
+  wire.kind = WireCommand::SurfacePeriod;
+  wire.x = static_cast<float>(period_s);
+  return wire;
+}
+
 bool decodeCommand(const WireCommand& wire, WireCommand::Kind& kind, LabelRequest& label) {
-  if (wire.kind < WireCommand::Reconstruct || wire.kind > WireCommand::Reset) return false;
+  if (wire.kind < WireCommand::Reconstruct || wire.kind > WireCommand::SurfacePeriod)
+    return false;
   if (wire.kind == WireCommand::Label) {
     const std::string_view text = takeText(wire.text);
     if (text.empty() || !std::isfinite(wire.x) || !std::isfinite(wire.y)) return false;
     label = {std::string(text), {wire.x, wire.y}};
   }
+  if (wire.kind == WireCommand::SurfacePeriod && !(std::isfinite(wire.x) && wire.x >= 0))
+    return false;
   kind = static_cast<WireCommand::Kind>(wire.kind);
   return true;
 }

@@ -49,9 +49,9 @@ struct WireArStatus {
 
 /// What the video process tells the AR process.
 struct WireCommand {
-  enum Kind : std::uint32_t { Reconstruct = 1, Label = 2, Reset = 3 };
+  enum Kind : std::uint32_t { Reconstruct = 1, Label = 2, Reset = 3, SurfacePeriod = 4 };
   std::uint32_t kind;
-  float x, y;  // [px], Label
+  float x, y;  // Label: [px]; SurfacePeriod: x [s]
   char text[max_label_bytes];
 };
 
@@ -67,7 +67,9 @@ bool decodeLabels(const WireLabels& wire, std::vector<Label>& labels);
 bool plausible(const WireArStatus& status);
 
 WireCommand encodeCommand(WireCommand::Kind kind, const LabelRequest& label = {});
-/// `label` is filled for a Label.
+/// A new surface this often [s], 0: on demand only.
+WireCommand encodeSurfacePeriod(double period_s);
+/// `label` is filled for a Label; a SurfacePeriod is found in `wire.x`.
 bool decodeCommand(const WireCommand& wire, WireCommand::Kind& kind, LabelRequest& label);
 
 }  // namespace depthscope::platform

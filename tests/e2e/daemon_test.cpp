@@ -21,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Clock = std::chrono::steady_clock;
 
 constexpr int width = 320, height = 240;
@@ -165,6 +166,26 @@ TEST_F(DaemonRun, AnswersOnTheControlSocket) {
   EXPECT_EQ(ask("reset"), "");
   EXPECT_THROW(ask("fly"), std::runtime_error);
   EXPECT_GT(fs::file_size(ask("snapshot")), 1000u);
+}
+
+TEST_F(DaemonRun, ReadsItsConfigurationAgainOnSighup) {
+  start({"--set", "capture.loop=true"});
+  const auto before = waitFor([](const auto& s) { return s["ar_alive"] && s["frames_shown"] > 1; });
+  const std::string config = readFile(folder_.path() / "depthscope.toml");
+  const auto reload = [&](const std::string& text, const std::string& logged) {
+    folder_.write("depthscope.toml", text);
+    ::kill(daemon_.pid(), SIGHUP);
+    waitFor([&](const auto&) { return log().find(logged) != std::string::npos; });
+  };
+  reload(config + "[overlay]\nopacity = 0.3\n[recon]\nperiod_s = 2\nmin_points = 99\n",
+         "applied=\"recon.period_s, overlay.opacity\" needs_restart=recon.min_points");
+  reload(config + "[overlay]\nopacity = 3\n",
+         "not read again, the old one stays in force error=");
+  EXPECT_THAT(log(), HasSubstr("overlay.opacity = 3: expected a number from 0 to 1"));
+  // An AR process that starts now gets the settings in force, not the broken file.
+  ASSERT_EQ(::kill(before["ar_pid"].get<pid_t>(), SIGKILL), 0);
+  waitFor([](const auto& s) { return s["ar_restarts"] == 1 && s.contains("keyframes"); });
+  EXPECT_THAT(log(), Not(HasSubstr("cannot start")));
 }
 
 TEST_F(DaemonRun, StopsCleanlyWhenAsked) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <cstring>
 #include <random>
 
@@ -120,8 +121,16 @@ TEST(Wire, CommandsComeBackAsTheyWere) {
   EXPECT_FALSE(decodeCommand(encodeCommand(WireCommand::Label, {"", {1, 1}}), kind, label));
   EXPECT_FALSE(decodeCommand(WireCommand{}, kind, label));
   WireCommand unknown{};
-  unknown.kind = 4;
+  unknown.kind = 5;
   EXPECT_FALSE(decodeCommand(unknown, kind, label));
+  WireCommand period = encodeSurfacePeriod(2.5);
+  ASSERT_TRUE(decodeCommand(period, kind, label));
+  EXPECT_EQ(kind, WireCommand::SurfacePeriod);
+  EXPECT_EQ(period.x, 2.5f);
+  for (float impossible : {-1.0f, std::numeric_limits<float>::infinity()}) {
+    period.x = impossible;
+    EXPECT_FALSE(decodeCommand(period, kind, label));
+  }
 }
 
 TEST(Wire, AStatusWithImpossibleNumbersIsNotShown) {

@@ -1,0 +1,62 @@
+"""The box under test: the service in the guest, its devices, and its monitor."""
+import json
+import os
+
+from machine import Failure, wait_until
+from pictures import Picture
+
+
+class Box:
+    def __init__(self, machine, clip, folder):
+        self.machine, self.clip, self._folder = machine, clip, folder
+
+    def run(self, command, **options):
+        return self.machine.run(command, **options)
+
+    def install(self):
+        """The package, from the payload disk, as an administrator would."""
+        self.run("mkdir -p /run/payload && mount -o ro /dev/vdb /run/payload")
+        self.run("dpkg --install /run/payload/depthscope.deb", limit_s=300)
+
+    def configure(self):
+        self.run("cp /run/payload/depthscope.toml /etc/depthscope/depthscope.toml")
+        self.run("install -D -m 644 /run/payload/slow.conf /etc/systemd/system/depthscope.service.d/slow.conf")
+        self.run("systemctl daemon-reload")
+
+    def reboot(self):
+        self.machine.reboot()
+        self.run("mkdir -p /run/payload && mount -o ro /dev/vdb /run/payload")
+
+    def property(self, name):
+        return self.run(f"systemctl show depthscope --value --property={name}")
+
+    def status(self):
+        """What the daemon says of itself; empty while there is no daemon."""
+        answer = self.run("/run/payload/ask status", check=False)
+        return json.loads(answer) if answer.startswith("{") else {}
+
+    def wait_for_status(self, condition, limit_s, what):
+        """Until `condition(status)` holds; the status."""
+        def ask():
+            status = self.status()
+            return status if status and condition(status) else None
+        try:
+            return wait_until(ask, limit_s, what)
+        except Failure as failure:
+            raise Failure(f"{failure}; status: {self.status()}")
+
+    def journal(self, since="", fields=""):
+        """Messages of the service, one a line."""
+        return self.run(f"journalctl --unit=depthscope --boot --output=cat {since} {fields}")
+
+    def screen(self, name="screen"):
+        return Picture.read_ppm(self.machine.screendump(name))
+
+    def keep_screen(self, name):
+        """The monitor's picture as NAME.png among the results."""
+        self.screen().write_png(os.path.join(self._folder, f"{name}.png"))
+
+    def explain(self):
+        """The guest's own view of a failure."""
+        return self.run("systemctl --no-pager status depthscope; journalctl --no-pager --boot --lines=40 --priority=info",
+                        check=False)

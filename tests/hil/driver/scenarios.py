@@ -1,0 +1,126 @@
+"""What is checked, one function a scenario, in the order of ALL. Each finds the box as the one before left it."""
+from machine import Failure, wait_until
+
+
+def expect(condition, message):
+    if not condition:
+        raise Failure(message)
+
+
+def the_package_installs(box):
+    """Nothing but the package and its dependencies; the service waits to be enabled."""
+    box.machine.wait_for_boot()
+    box.install()
+    expect(box.run("systemctl is-enabled depthscope", check=False) == "disabled", "the service enabled itself")
+    groups = box.run("id -nG depthscope").split()
+    expect({"video", "render", "input"} <= set(groups), f"the user is in {groups}")
+    expect(box.run("stat -c %G /dev/gpiochip0") == "depthscope", "the footswitch's device is not the user's")
+    box.configure()
+    box.run("systemctl enable --quiet depthscope")
+
+
+def the_picture_comes_before_the_network(box):
+    """Booted anew, the service runs by itself, its first picture out before the network starts."""
+    box.reboot()
+    box.wait_for_status(lambda s: s["frames_shown"] > 0, 120, "a picture after boot")
+    expect(box.property("ActiveState") == "active", "the service is " + box.property("ActiveState"))
+    started = int(box.property("ActiveEnterTimestampMonotonic"))
+    network = int(box.run("systemctl show systemd-networkd --value --property=ExecMainStartTimestampMonotonic"))
+    expect(0 < started <= network, f"ready after {started} us, the network started at {network} us")
+    expect(box.run("systemctl is-active getty@tty1", check=False) != "active", "a login prompt runs on the monitor")
+
+
+def the_service_is_confined(box):
+    """Its own user, no capability, only the devices it needs."""
+    pid = box.property("MainPID")
+    process = box.run(f"cat /proc/{pid}/status")
+    expect("CapEff:\t0000000000000000" in process, "it has capabilities")
+    expect(box.run(f"stat -c %U /proc/{pid}") == "depthscope", "it runs as another user")
+    # Field 41 of stat(5) is the policy, 1 is SCHED_FIFO; the name before it has no blanks here.
+    policies = box.run(f"cut -d ' ' -f 41 /proc/{pid}/task/*/stat").split()
+    expect("1" in policies, f"no thread under SCHED_FIFO: policies {policies}")
+    expect("VmLck:\t       0 kB" not in process, "its memory is not locked")
+    for complaint in ("no real-time priority", "memory is not locked", "without its limits"):
+        expect(complaint not in box.journal(), complaint)
+
+
+def the_log_has_fields(box):
+    """The journal can be asked by what a message is about."""
+    pid = box.status()["ar_pid"]
+    found = box.run(f"journalctl --boot --output=cat DEPTHSCOPE_PID={pid} PRIORITY=6")
+    expect("AR process started" in found, f"nothing about process {pid}: {found}")
+
+
+def a_reload_applies_what_it_can(box):
+    """SIGHUP takes over live keys, names those that need a restart; a broken file changes nothing."""
+    file = "/etc/depthscope/depthscope.toml"
+    box.run(f"printf '[overlay]\\nopacity = 0.3\\n[slam.extractor]\\nfeatures = 900\\n' >>{file}")
+    box.run("systemctl reload depthscope")
+    wait_until(lambda: "applied=overlay.opacity needs_restart=slam.extractor.features" in box.journal(), 20,
+               "the log names what was applied")
+    box.run(f"sed -i 's/opacity = 0.3/opacity = 3/' {file}")
+    answer = box.run("systemctl reload depthscope", check=False)
+    expect("failed" in answer, f"a broken file was accepted: {answer}")
+    expect(box.property("ActiveState") == "active", "a broken file ended the service")
+    box.configure()
+    box.run("systemctl reload depthscope")
+
+
+def the_ar_process_dies_and_the_picture_goes_on(box):
+    before = box.wait_for_status(lambda s: s["ar_alive"] and "keyframes" in s, 120, "AR runs")
+    box.run(f"kill -KILL {before['ar_pid']}")
+    box.wait_for_status(lambda s: s["frames_shown"] > before["frames_shown"] + 3, 60, "pictures without AR")
+    after = box.wait_for_status(lambda s: s["ar_alive"] and s["ar_pid"] != before["ar_pid"], 60, "AR comes back")
+    expect(after["ar_restarts"] == before["ar_restarts"] + 1, "not restarted once")
+    expect(box.property("NRestarts") == "0", "the service was restarted")
+
+
+def the_watchdog_restarts_a_stopped_daemon(box):
+    before = box.property("MainPID")
+    box.run(f"kill -STOP {before}")
+    wait_until(lambda: box.property("MainPID") not in (before, "0"), 90, "another process")
+    expect("watchdog" in box.run("journalctl --boot --output=cat _PID=1 --unit=depthscope").lower(), "not the watchdog's doing")
+    box.wait_for_status(lambda s: s["frames_shown"] > 0, 90, "pictures again")
+
+
+def an_upgrade_keeps_everything(box):
+    """The same package over itself: configuration kept, service running again."""
+    configuration = box.run("sha256sum /etc/depthscope/depthscope.toml")
+    before = box.property("MainPID")
+    box.run("dpkg --install /run/payload/depthscope.deb", limit_s=300)
+    expect(box.run("sha256sum /etc/depthscope/depthscope.toml") == configuration, "the configuration was changed")
+    expect(box.property("MainPID") != before, "the old program still runs")
+    box.wait_for_status(lambda s: s["frames_shown"] > 0, 90, "pictures after the upgrade")
+
+
+def a_stop_gives_the_console_back(box):
+    box.run("systemctl stop depthscope")
+    expect(box.property("Result") == "success", "ended with " + box.property("Result"))
+    expect(box.run("ls /run/depthscope", check=False).startswith("ls: cannot access"), "the control socket is still there")
+    wait_until(lambda: box.run("systemctl is-active getty@tty1", check=False) == "active", 30, "a login prompt")
+    expect(box.run("grep -l depthscope /proc/[0-9]*/comm", check=False) == "", "processes are left")
+
+
+def removal_leaves_nothing_broken(box):
+    box.run("systemctl start depthscope")
+    box.run("dpkg --purge depthscope", limit_s=120)
+    expect(box.run("systemctl is-failed depthscope", check=False) != "failed", "a failed unit is left")
+    left = box.run("ls -d /etc/depthscope /var/lib/depthscope /run/depthscope /etc/systemd/system/*/depthscope* 2>/dev/null",
+                   check=False).split()
+    expect(left in ([], ["/etc/depthscope"]), f"left behind: {left}")
+    expect(box.run("systemctl --failed --no-legend --plain") == "", "failed units")
+    box.machine.power_off()
+
+
+ALL = [
+    the_package_installs,
+    the_picture_comes_before_the_network,
+    the_service_is_confined,
+    the_log_has_fields,
+    a_reload_applies_what_it_can,
+    the_ar_process_dies_and_the_picture_goes_on,
+    the_watchdog_restarts_a_stopped_daemon,
+    an_upgrade_keeps_everything,
+    a_stop_gives_the_console_back,
+    removal_leaves_nothing_broken,
+]

@@ -242,8 +242,10 @@ void bindDisplay(Binder& b, DisplaySettings& s) {
 
 void bindFootswitch(Binder& b, FootswitchSettings& s) {
   b.section("footswitch");
+  b.live(true);
   b.choice("action", s.action, {"reconstruct", "overlay-toggle", "snapshot"},
            "what a press of the pedal does");
+  b.live(false);
   b.text("line", s.line,
          "GPIO line of a pedal, by name or, with a chip, by its offset; empty: none");
   b.text("chip", s.chip,

@@ -34,8 +34,8 @@ Journal::Journal(const char* socket)
 }
 
 bool Journal::send(std::string_view entry) const {
-  return socket_.valid() && ::send(socket_.get(), entry.data(), entry.size(),
-                                   MSG_NOSIGNAL) == static_cast<ssize_t>(entry.size());
+  return socket_.valid() && ::send(socket_.get(), entry.data(), entry.size(), MSG_NOSIGNAL) ==
+                                static_cast<ssize_t>(entry.size());
 }
 
 std::string journalEntry(LogPriority priority, std::string_view program, std::string_view message,

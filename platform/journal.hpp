@@ -7,9 +7,10 @@
 
 namespace depthscope::platform {
 
-/// The journal by its native protocol (systemd.journal-fields(7), systemd.io/JOURNAL_NATIVE_PROTOCOL),
-/// so that each field of a message can be asked for: `journalctl DEPTHSCOPE_PID=12`. Never waits: a
-/// journal that is full or gone must not stop the picture.
+/// The journal by its native protocol (systemd.journal-fields(7),
+/// systemd.io/JOURNAL_NATIVE_PROTOCOL), so that each field of a message can be asked for:
+/// `journalctl DEPTHSCOPE_PID=12`. Never waits: a journal that is full or gone must not stop the
+/// picture.
 class Journal {
  public:
   static constexpr const char* system_socket = "/run/systemd/journal/socket";

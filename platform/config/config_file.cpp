@@ -197,7 +197,8 @@ void checkConsistency(const Settings& settings) {
 std::string documentedConfig() {
   Settings defaults;
   std::string out =
-      "# Every key with its default. Remove the '#' before a key to change it. Those marked live take\n"
+      "# Every key with its default. Remove the '#' before a key to change it. Those marked live "
+      "take\n"
       "# effect when the service is reloaded, the others when it is restarted.\n";
   std::string last;
   for (const Setting& s : settingTable(defaults)) {
@@ -205,8 +206,8 @@ std::string documentedConfig() {
       last = s.section();
       out += "\n[" + last + "]\n";
     }
-    out += "# " + std::string(s.doc) + " (" + expectation(s) + (s.live ? "; live" : "") + ")\n#" + std::string(s.name()) +
-           " = " + valueAsToml(s) + "\n";
+    out += "# " + std::string(s.doc) + " (" + expectation(s) + (s.live ? "; live" : "") + ")\n#" +
+           std::string(s.name()) + " = " + valueAsToml(s) + "\n";
   }
   return out;
 }

@@ -14,8 +14,7 @@ namespace depthscope::platform {
 namespace {
 
 // Where the AR process finds what it is handed; ours are kept clear of these numbers.
-constexpr int child_memory_fd = 3, child_commands_fd = 4, child_event_fd = 5,
-              child_settings_fd = 6;
+constexpr int child_memory_fd = 3, child_commands_fd = 4, child_event_fd = 5, child_settings_fd = 6;
 constexpr int first_own_fd = 16;
 
 std::chrono::nanoseconds seconds(double s) {
@@ -47,7 +46,8 @@ ArSupervisor::ArSupervisor(std::vector<std::string> command, const SharedMemory&
   option("--shared-memory", child_memory_fd);
   option("--commands", child_commands_fd);
   option("--frame-event", child_event_fd);
-  command_.insert(command_.end(), {"--config", "/proc/self/fd/" + std::to_string(child_settings_fd)});
+  command_.insert(command_.end(),
+                  {"--config", "/proc/self/fd/" + std::to_string(child_settings_fd)});
 }
 
 void ArSupervisor::configure(const Settings& settings) {

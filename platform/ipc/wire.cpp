@@ -123,8 +123,7 @@ WireCommand encodeSurfacePeriod(double period_s) {
 }
 
 bool decodeCommand(const WireCommand& wire, WireCommand::Kind& kind, LabelRequest& label) {
-  if (wire.kind < WireCommand::Reconstruct || wire.kind > WireCommand::SurfacePeriod)
-    return false;
+  if (wire.kind < WireCommand::Reconstruct || wire.kind > WireCommand::SurfacePeriod) return false;
   if (wire.kind == WireCommand::Label) {
     const std::string_view text = takeText(wire.text);
     if (text.empty() || !std::isfinite(wire.x) || !std::isfinite(wire.y)) return false;

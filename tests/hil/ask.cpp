@@ -1,5 +1,6 @@
-// ask REQUEST: one request to the daemon's control socket, its answer on stdout. What `depthscope status --json` does,
-// without the seconds that the user's tool takes to load its libraries on an emulated processor.
+// ask REQUEST: one request to the daemon's control socket, its answer on stdout. What `depthscope
+// status --json` does, without the seconds that the user's tool takes to load its libraries on an
+// emulated processor.
 #include <cstdio>
 #include <exception>
 #include <string>

@@ -1,6 +1,6 @@
-// clip_frames CLIP COUNT FILE: the first COUNT pictures of a clip as the tower of the hardware tests sends them: YUYV,
-// BT.601, limited range, rows packed. Each carries its number in the bottom left corner: 16 blocks of 8x8 pixels, the
-// lowest bit first, white for 1 and black for 0.
+// clip_frames CLIP COUNT FILE: the first COUNT pictures of a clip as the tower of the hardware
+// tests sends them: YUYV, BT.601, limited range, rows packed. Each carries its number in the bottom
+// left corner: 16 blocks of 8x8 pixels, the lowest bit first, white for 1 and black for 0.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -54,7 +54,8 @@ int main(int argc, char** argv) {
       return std::fputs("clip_frames: expected a longer clip in YUV 4:2:0\n", stderr), 1;
     auto yuyv = toYuyv(read.frame);
     stampNumber(yuyv, read.frame.format.width, read.frame.format.height, i);
-    out.write(reinterpret_cast<const char*>(yuyv.data()), static_cast<std::streamsize>(yuyv.size()));
+    out.write(reinterpret_cast<const char*>(yuyv.data()),
+              static_cast<std::streamsize>(yuyv.size()));
   }
   return out.flush() ? 0 : 1;
 }

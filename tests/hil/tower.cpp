@@ -1,7 +1,7 @@
-// tower DEVICE FRAMES WIDTH HEIGHT INTERVAL_MS: stands for the endoscope tower. Sends the pictures of a file (YUYV, rows
-// packed) into vivid's output, forth and back without an end, a new one every INTERVAL_MS. The newest picture stays on
-// the line until the next one comes, also while this program is stopped (SIGSTOP). A DEVICE of 640x480 is set to DMT
-// 640x480p60, any other size is expected to be set already.
+// tower DEVICE FRAMES INTERVAL_MS: stands for the endoscope tower. Sends the pictures of a file
+// (640x480, YUYV, rows packed) into vivid's output, forth and back without an end, a new one every
+// INTERVAL_MS. The newest picture stays on the line until the next one comes, also while this
+// program is stopped (SIGSTOP).
 #include <fcntl.h>
 #include <linux/v4l2-dv-timings.h>
 #include <linux/videodev2.h>
@@ -23,17 +23,17 @@
 
 namespace {
 
+constexpr std::uint32_t width = 640, height = 480, frame_bytes = width * height * 2;
 constexpr std::uint32_t buffer_count = 4;
 
 void call(int fd, unsigned long request, void* argument, const char* name) {
-  if (::ioctl(fd, request, argument) != 0) throw std::system_error(errno, std::generic_category(), name);
+  if (::ioctl(fd, request, argument) != 0)
+    throw std::system_error(errno, std::generic_category(), name);
 }
 
-void setMode(int fd, std::uint32_t width, std::uint32_t height) {
-  if (width == 640 && height == 480) {
-    v4l2_dv_timings timings = V4L2_DV_BT_DMT_640X480P60;
-    call(fd, VIDIOC_S_DV_TIMINGS, &timings, "VIDIOC_S_DV_TIMINGS");
-  }
+void setMode(int fd) {
+  v4l2_dv_timings timings = V4L2_DV_BT_CEA_640X480P59_94;
+  call(fd, VIDIOC_S_DV_TIMINGS, &timings, "VIDIOC_S_DV_TIMINGS");
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
   format.fmt.pix.width = width;
@@ -60,7 +60,8 @@ std::vector<std::uint8_t*> mapBuffers(int fd) {
     buffer.type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
     buffer.memory = V4L2_MEMORY_MMAP;
     call(fd, VIDIOC_QUERYBUF, &buffer, "VIDIOC_QUERYBUF");
-    void* memory = ::mmap(nullptr, buffer.length, PROT_READ | PROT_WRITE, MAP_SHARED, fd, buffer.m.offset);
+    void* memory =
+        ::mmap(nullptr, buffer.length, PROT_READ | PROT_WRITE, MAP_SHARED, fd, buffer.m.offset);
     if (memory == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "mmap");
     buffers.push_back(static_cast<std::uint8_t*>(memory));
   }
@@ -77,23 +78,24 @@ std::uint32_t freeBuffer(int fd, std::uint32_t& used, std::size_t count) {
   return buffer.index;
 }
 
-void play(int fd, std::ifstream& frames, std::size_t frame_bytes, std::chrono::milliseconds interval) {
+void play(int fd, std::ifstream& frames, std::chrono::milliseconds interval) {
   const auto buffers = mapBuffers(fd);
   frames.seekg(0, std::ios::end);
-  const auto count = static_cast<std::int64_t>(frames.tellg()) / static_cast<std::int64_t>(frame_bytes);
-  if (count < 1) throw std::system_error(EINVAL, std::generic_category(), "no pictures in the file");
+  const auto count = static_cast<std::int64_t>(frames.tellg()) / frame_bytes;
+  if (count < 1)
+    throw std::system_error(EINVAL, std::generic_category(), "no pictures in the file");
   std::uint32_t used = 0;
   for (std::int64_t step = 0;; ++step) {
     const std::int64_t round = std::max<std::int64_t>(1, 2 * (count - 1)), position = step % round;
     const std::int64_t frame = std::min(position, round - position);
     const std::uint32_t index = freeBuffer(fd, used, buffers.size());
-    frames.seekg(frame * static_cast<std::int64_t>(frame_bytes));
-    frames.read(reinterpret_cast<char*>(buffers[index]), static_cast<std::streamsize>(frame_bytes));
+    frames.seekg(frame * frame_bytes);
+    frames.read(reinterpret_cast<char*>(buffers[index]), frame_bytes);
     v4l2_buffer buffer{};
     buffer.index = index;
     buffer.type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
     buffer.memory = V4L2_MEMORY_MMAP;
-    buffer.bytesused = static_cast<std::uint32_t>(frame_bytes);
+    buffer.bytesused = frame_bytes;
     buffer.field = V4L2_FIELD_NONE;
     call(fd, VIDIOC_QBUF, &buffer, "VIDIOC_QBUF");
     if (step == 0) {
@@ -107,14 +109,13 @@ void play(int fd, std::ifstream& frames, std::size_t frame_bytes, std::chrono::m
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 6) return std::fputs("usage: tower DEVICE FRAMES WIDTH HEIGHT INTERVAL_MS\n", stderr), 2;
+  if (argc != 4) return std::fputs("usage: tower DEVICE FRAMES INTERVAL_MS\n", stderr), 2;
   try {
     const int fd = ::open(argv[1], O_RDWR | O_CLOEXEC);
     if (fd < 0) throw std::system_error(errno, std::generic_category(), argv[1]);
-    const auto width = static_cast<std::uint32_t>(std::atoi(argv[3])), height = static_cast<std::uint32_t>(std::atoi(argv[4]));
-    setMode(fd, width, height);
+    setMode(fd);
     std::ifstream frames(argv[2], std::ios::binary);
-    play(fd, frames, std::size_t{width} * height * 2, std::chrono::milliseconds(std::atoi(argv[5])));
+    play(fd, frames, std::chrono::milliseconds(std::atoi(argv[3])));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tower: %s\n", error.what());
     return 1;

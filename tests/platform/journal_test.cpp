@@ -33,8 +33,8 @@ class JournalSocket : public ::testing::Test {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     path_.copy(address.sun_path, sizeof address.sun_path - 1);
-    ASSERT_EQ(
-        ::bind(server_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ASSERT_EQ(::bind(server_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
+              0);
   }
   TemporaryFolder folder_;
   std::string path_ = folder_.path() / "journal";

@@ -4,11 +4,13 @@ import os
 
 from machine import Failure, wait_until
 from pictures import Picture
+from tower import Tower
 
 
 class Box:
     def __init__(self, machine, clip, folder):
         self.machine, self.clip, self._folder = machine, clip, folder
+        self.tower = Tower(machine)
 
     def run(self, command, **options):
         return self.machine.run(command, **options)

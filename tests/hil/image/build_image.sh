@@ -37,6 +37,7 @@ echo 0123456789abcdef0123456789abcdef >"$root/etc/machine-id"
 install -m 755 "$recipe/agent.sh" "$root/usr/local/bin/hil-agent"
 install -m 644 "$recipe/hil-agent.service" "$recipe/hil-devices.service" "$root/etc/systemd/system"
 install -m 755 "$recipe/devices.sh" "$root/usr/local/bin/hil-devices"
+install -m 755 "$recipe/capture.sh" "$root/usr/local/bin/hil-capture"
 systemctl --quiet --root="$root" enable hil-agent.service hil-devices.service systemd-networkd.service
 systemctl --quiet --root="$root" mask apt-daily.timer apt-daily-upgrade.timer dpkg-db-backup.timer systemd-networkd-wait-online.service
 mke2fs -q -t ext4 -d "$root" -E root_owner=0:0 -O ^has_journal "$work/root.ext4" 2500M

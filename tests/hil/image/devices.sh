@@ -3,7 +3,7 @@
 # chip is the footswitch. The display connector is the machine's own.
 set -e
 modprobe -a virtio_gpu evdev virtio_input virtio_rng configfs
-modprobe vivid n_devs=1 node_types=0x101 num_inputs=1 input_types=0x3 num_outputs=1 output_types=0x1 multiplanar=1
+hil-capture
 
 modprobe gpio-sim
 mountpoint -q /sys/kernel/config || mount -t configfs configfs /sys/kernel/config

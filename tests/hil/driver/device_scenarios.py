@@ -1,0 +1,154 @@
+"""What needs the devices: the picture from the tower to the monitor, the pedals, and all that can happen to a signal.
+
+The guest's processor is emulated and slow: what must be is waited for, rates and delays are not judged here.
+"""
+from machine import Failure, wait_until
+from pictures import differing_pixels
+from tower import NO_LOCK, NO_SIGNAL, OUT_OF_RANGE, press_footswitch, press_pedal_key
+
+TOLERANCE = 2  # levels: one from rounding on either side
+SMPTE_BARS = [(191, 191, 191), (191, 191, 0), (0, 191, 191), (0, 191, 0), (191, 0, 191), (191, 0, 0), (0, 0, 191)]
+
+
+def expect(condition, message):
+    if not condition:
+        raise Failure(message)
+
+
+def shown_number(box):
+    """The number of the tower's picture on the monitor, or None."""
+    screen = box.screen()
+    return screen.number() if (screen.width, screen.height) == (640, 480) else None
+
+
+def wait_for_tower(box, limit_s=120):
+    wait_until(lambda: shown_number(box) is not None, limit_s, "the tower's picture on the monitor")
+
+
+def differences_from_source(box):
+    """The monitor against the tower's picture that it shows, computed by the book: pixels that differ. The first
+    two are left out, vivid does not loop them."""
+    screen = box.screen()
+    number = screen.number()
+    expect(number is not None, "the monitor shows no picture of the tower")
+    return [p for p in differing_pixels(screen, box.clip.rgb(number), TOLERANCE) if p not in ((0, 0), (1, 0))]
+
+
+def the_towers_picture_is_on_the_monitor(box):
+    """Without overlay, every pixel as the tower sent it."""
+    box.tower.play(interval_ms=1000)
+    wait_for_tower(box)
+    box.run("/run/payload/ask 'overlay off'")
+    box.tower.hold()
+    differing = wait_until(lambda: [differences_from_source(box)] if shown_number(box) is not None else None, 30,
+                           "a held picture")[0]
+    outside_mark = [p for p in differing if p[1] > 48 or p[0] > 320]
+    expect(not outside_mark, f"{len(outside_mark)} pixels are not as they came, the first at {outside_mark[:3]}")
+    box.tower.go_on()
+    first = shown_number(box)
+    wait_until(lambda: shown_number(box) not in (None, first), 60, "the picture moves")
+
+
+def the_footswitch_asks_for_a_surface(box):
+    """The scope moves, AR tracks; a press makes a surface, and it lies over the picture, nothing else changed."""
+    box.run("/run/payload/ask 'overlay chromadepth'")
+    box.wait_for_status(lambda s: s.get("map_points", 0) > 50 and s["overlay"] == "tracking", 240, "AR tracks")
+    before = box.status()
+    press_footswitch(box.machine)
+    box.wait_for_status(lambda s: s["footswitch_presses"] == before["footswitch_presses"] + 1, 30, "the press is counted")
+    box.wait_for_status(lambda s: s.get("surfaces", 0) > before.get("surfaces", 0), 120, "a surface")
+    box.tower.hold()
+
+    def overlay_is_on():
+        differing = differences_from_source(box) if shown_number(box) is not None else []
+        share = len(differing) / (640 * 480)
+        return differing if 0.03 < share < 0.9 else None
+    wait_until(overlay_is_on, 120, "the surface over the picture")
+    box.keep_screen("ar_on")
+    box.tower.go_on()
+
+
+def a_pedal_that_is_a_keyboard_works_too(box):
+    before = box.status()
+    press_pedal_key(box.machine)
+    box.wait_for_status(lambda s: s["footswitch_presses"] > before["footswitch_presses"], 30, "the press is counted")
+
+
+def the_surface_goes_with_the_ar_process(box):
+    """AR killed: the picture goes on, and what it had drawn is gone."""
+    before = box.status()
+    box.run(f"kill -KILL {before['ar_pid']}")
+    box.wait_for_status(lambda s: s["frames_shown"] > before["frames_shown"] + 3, 60, "pictures without AR")
+    wait_for_tower(box)
+    after = box.wait_for_status(lambda s: s["ar_alive"] and s["ar_pid"] != before["ar_pid"], 60, "AR comes back")
+    expect(after["ar_restarts"] == before["ar_restarts"] + 1, "not restarted once")
+    expect(box.property("NRestarts") == "0", "the service was restarted")
+
+
+def signal_fault(box, mode, status, name):
+    """One bad state of the signal: its picture, and the tower's again afterwards."""
+    box.tower.signal(mode)
+    box.wait_for_status(lambda s: s["source"] == status, 30, status)
+    wait_until(lambda: shown_number(box) is None, 30, f"a picture that says {status}")
+    box.keep_screen(name)
+    box.tower.signal("640x480p59")
+    wait_for_tower(box)
+
+
+def no_signal_is_said_and_recovers(box):
+    signal_fault(box, NO_SIGNAL, "no signal", "no_signal")
+
+
+def an_unstable_signal_is_said_and_recovers(box):
+    signal_fault(box, NO_LOCK, "unstable sync", "unstable_sync")
+
+
+def a_mode_out_of_range_is_said_and_recovers(box):
+    signal_fault(box, OUT_OF_RANGE, "unsupported mode", "unsupported_mode")
+
+
+def a_changed_mode_is_followed(box):
+    """720p colour bars, right in colour and size, and back."""
+    box.tower.signal("1280x720p60")
+
+    def bars():
+        screen = box.screen()
+        if screen.width < 1280 or screen.height < 720:
+            return None
+        seen = [screen.at(1280 * (2 * i + 1) // 16, screen.height // 2) for i in range(7)]
+        near = all(abs(a - b) <= 4 for bar, wanted in zip(seen, SMPTE_BARS) for a, b in zip(bar, wanted))
+        return screen if near else None
+    wait_until(bars, 90, "colour bars in 720p")
+    box.keep_screen("changed_mode")
+    box.tower.signal("640x480p59")
+    wait_for_tower(box)
+
+
+def damaged_frames_are_not_shown(box):
+    before = box.status()["frames_damaged"]
+    box.tower.damage_one_frame()
+    box.wait_for_status(lambda s: s["frames_damaged"] > before, 30, "a damaged frame is counted")
+    wait_for_tower(box)
+
+
+def a_card_unplugged_is_said_and_found_again(box):
+    box.tower.unplug()
+    box.wait_for_status(lambda s: s["source"] == "no device", 60, "no device")
+    box.keep_screen("no_device")
+    box.tower.plug_in()
+    box.tower.play(interval_ms=1000)
+    wait_for_tower(box)
+
+
+ALL = [
+    the_towers_picture_is_on_the_monitor,
+    the_footswitch_asks_for_a_surface,
+    a_pedal_that_is_a_keyboard_works_too,
+    the_surface_goes_with_the_ar_process,
+    no_signal_is_said_and_recovers,
+    an_unstable_signal_is_said_and_recovers,
+    a_mode_out_of_range_is_said_and_recovers,
+    a_changed_mode_is_followed,
+    damaged_frames_are_not_shown,
+    a_card_unplugged_is_said_and_found_again,
+]

@@ -28,6 +28,7 @@ class Box:
     def reboot(self):
         self.machine.reboot()
         self.run("mkdir -p /run/payload && mount -o ro /dev/vdb /run/payload")
+        self.tower.slow_down()
 
     def property(self, name):
         return self.run(f"systemctl show depthscope --value --property={name}")

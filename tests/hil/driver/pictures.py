@@ -4,6 +4,7 @@ import zlib
 
 BLOCK_PX = 8
 NUMBER_BITS = 16
+MARK = 1 << (NUMBER_BITS - 1)  # set in every number, so that a black corner is none
 
 
 class Picture:
@@ -55,7 +56,7 @@ class Picture:
             if 40 < level < 215:
                 return None
             value |= (level >= 215) << bit
-        return value
+        return value & ~MARK if value & MARK else None
 
 
 class TowerClip:

@@ -39,6 +39,7 @@ rm -rf "$out" && mkdir -p "$out/payload"
 cp "$deb" "$out/payload/depthscope.deb"
 cp "$build/bin/hil_tower" "$out/payload/tower"
 cp "$build/bin/hil_ask" "$out/payload/ask"
+cp "$build/bin/hil_capture_check" "$out/payload/capture_check"
 cp "$here"/guest/* "$out/payload"
 "$build/bin/hil_clip_frames" "$here/../data/sample/video.mp4" 90 "$out/payload/clip.yuyv"
 mke2fs -q -t ext4 -d "$out/payload" -O ^has_journal "$out/payload.ext4" 120M >/dev/null

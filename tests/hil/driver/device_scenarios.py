@@ -93,7 +93,7 @@ def signal_fault(box, mode, status, name):
     box.wait_for_status(lambda s: s["source"] == status, 30, status)
     wait_until(lambda: shown_number(box) is None, 30, f"a picture that says {status}")
     box.keep_screen(name)
-    box.tower.signal("640x480p59")
+    box.tower.show_clip()
     wait_for_tower(box)
 
 
@@ -112,7 +112,7 @@ def a_mode_out_of_range_is_said_and_recovers(box):
 
 def a_changed_mode_is_followed(box):
     """720p colour bars, right in colour and size, and back."""
-    box.tower.signal("1280x720p60")
+    box.tower.show_colour_bars("1280x720p60")
 
     def bars():
         screen = box.screen()
@@ -123,7 +123,7 @@ def a_changed_mode_is_followed(box):
         return screen if near else None
     wait_until(bars, 90, "colour bars in 720p")
     box.keep_screen("changed_mode")
-    box.tower.signal("640x480p59")
+    box.tower.show_clip()
     wait_for_tower(box)
 
 

@@ -88,6 +88,14 @@ def a_stop_gives_the_console_back(box):
     expect(box.run("grep -l depthscope /proc/[0-9]*/comm", check=False) == "", "processes are left")
 
 
+def every_format_of_the_card_is_captured_right(box):
+    """Colour bars in each pixel format that the card has, from 480p to 1080p; the service is stopped, the card free."""
+    box.tower.stop()
+    box.run("v4l2-ctl --device=/dev/video0 --set-ctrl=loop_video=0,percentage_of_dropped_buffers=0")
+    lines = box.run("/run/payload/capture_check /dev/video0 2", limit_s=400)
+    print("\n".join(f"           {line}" for line in lines.splitlines()))
+
+
 def removal_leaves_nothing_broken(box):
     box.run("systemctl start depthscope")
     box.run("dpkg --purge depthscope", limit_s=120)
@@ -110,5 +118,6 @@ LAST = [
     the_watchdog_restarts_a_stopped_daemon,
     an_upgrade_keeps_everything,
     a_stop_gives_the_console_back,
+    every_format_of_the_card_is_captured_right,
     removal_leaves_nothing_broken,
 ]

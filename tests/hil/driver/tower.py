@@ -2,6 +2,7 @@
 CAPTURE, OUTPUT = "/dev/video0", "/dev/video1"
 # Values of vivid's control dv_timings_signal_mode.
 NO_SIGNAL, NO_LOCK, OUT_OF_RANGE, SELECTED = 1, 2, 3, 4
+CLIP_MODE = "640x480p59"  # as vivid names it
 
 
 class Tower:
@@ -18,9 +19,8 @@ class Tower:
     def play(self, interval_ms):
         """Sends the clip, 640x480, forth and back."""
         self._machine.start("tower", "/run/payload/tower", OUTPUT, "/run/payload/clip.yuyv", str(interval_ms))
-        for assignment in ("osd_text_mode=2", "loop_video=1"):
-            self._control(assignment)
-        self.signal("640x480p59")
+        self._control("osd_text_mode=2")
+        self.show_clip()
 
     def hold(self):
         """The picture on the line stays."""
@@ -31,6 +31,15 @@ class Tower:
 
     def stop(self):
         self._machine.run("systemctl kill --signal=KILL tower; systemctl stop tower", check=False)
+
+    def show_colour_bars(self, mode):
+        """vivid's own test pattern instead of the clip."""
+        self._control("loop_video=0")
+        self.signal(mode)
+
+    def show_clip(self):
+        self._control("loop_video=1")
+        self.signal(CLIP_MODE)
 
     def signal(self, mode):
         """A good signal of this mode, as vivid names it, or one of the bad states."""
@@ -47,14 +56,15 @@ class Tower:
         self._control("inject_v4l2_buf_flag_error=1")
 
     def unplug(self):
-        """The card vanishes from under whoever has it open."""
+        """The card vanishes from under whoever has it open. vivid brings it back when its last user is gone, so one
+        holds on."""
         self.stop()
+        self._machine.start("holder", "sh", "-c", f"exec 3<>{OUTPUT}; exec sleep 10000")
+        self._machine.run("until ls -l /proc/[0-9]*/fd/3 2>/dev/null | grep -q /dev/video1; do sleep 0.2; done")
         self._control("disconnect=1")
 
     def plug_in(self):
-        self._machine.run("for i in 1 2 3 4 5 6 7 8 9 10; do modprobe --remove vivid && break; sleep 1; done")
-        self._machine.run("/usr/local/bin/hil-capture")
-        self.slow_down()
+        self._machine.run("systemctl stop holder")
 
 
 def press_footswitch(machine):

@@ -122,8 +122,8 @@ TEST_F(DaemonRun, ThePictureGoesOnWhenTheArProcessIsKilled) {
   });
   EXPECT_EQ(exitStatus(), 0) << log();
   EXPECT_THAT(log(), HasSubstr("signal 9"));
-  EXPECT_THAT(log(),
-              HasSubstr("stopped frames=" + std::to_string(frames) + " skipped=0 given_up=0"));
+  EXPECT_THAT(log(), HasSubstr("stopped frames=" + std::to_string(frames) +
+                               " skipped=0 damaged=0 given_up=0"));
 }
 
 TEST_F(DaemonRun, AHungArProcessIsReplaced) {
@@ -143,7 +143,7 @@ TEST_F(DaemonRun, AnArProcessThatCannotStartIsTriedAgainEverLater) {
   EXPECT_THAT(log(), HasSubstr("restart_in_s=0.2"));
   EXPECT_THAT(log(), HasSubstr("restart_in_s=0.8"));
   EXPECT_THAT(log(), HasSubstr("stopped frames=" + std::to_string(frames) +
-                               " skipped=0 given_up=0 tracked=0"));
+                               " skipped=0 damaged=0 given_up=0 tracked=0"));
 }
 
 TEST_F(DaemonRun, AnswersOnTheControlSocket) {
@@ -179,8 +179,7 @@ TEST_F(DaemonRun, ReadsItsConfigurationAgainOnSighup) {
   };
   reload(config + "[overlay]\nopacity = 0.3\n[recon]\nperiod_s = 2\nmin_points = 99\n",
          "applied=\"recon.period_s, overlay.opacity\" needs_restart=recon.min_points");
-  reload(config + "[overlay]\nopacity = 3\n",
-         "not read again, the old one stays in force error=");
+  reload(config + "[overlay]\nopacity = 3\n", "not read again, the old one stays in force error=");
   EXPECT_THAT(log(), HasSubstr("overlay.opacity = 3: expected a number from 0 to 1"));
   // An AR process that starts now gets the settings in force, not the broken file.
   ASSERT_EQ(::kill(before["ar_pid"].get<pid_t>(), SIGKILL), 0);
@@ -221,7 +220,8 @@ TEST_F(DaemonRun, TheArProcessDoesNotOutliveTheDaemon) {
 TEST(DaemonArguments, ChecksAConfigurationWithoutRunning) {
   const TemporaryFolder folder;
   const ProgramResult good =
-      runProgram({"depthscoped", "--check", folder.write("a.toml", "[overlay]\nopacity = 0.5\n")});
+      runProgram({"depthscoped", "--check",
+                  folder.write("a.toml", "[overlay]\nopacity = 0.5\n[capture]\ninput = \"a\"\n")});
   EXPECT_EQ(good.status, 0) << good.err;
   const ProgramResult bad =
       runProgram({"depthscoped", "--check", folder.write("b.toml", "[overlay]\nopacity = 5\n")});
@@ -235,11 +235,17 @@ TEST(DaemonArguments, TheInstalledConfigurationIsSound) {
   const ProgramResult result = runProgram({"depthscoped", "--print-config"});
   EXPECT_EQ(result.status, 0);
   const TemporaryFolder folder;
-  EXPECT_EQ(runProgram({"depthscoped", "--check", folder.write("a.toml", result.out)}).status, 0);
+  // The defaults name no source of pictures.
+  std::string documented = result.out;
+  const std::string input = "#input = \"\"";
+  ASSERT_NE(documented.find(input), std::string::npos);
+  documented.replace(documented.find(input), input.size(), "input = \"clip.mp4\"");
+  EXPECT_EQ(runProgram({"depthscoped", "--check", folder.write("a.toml", documented)}).status, 0);
   // The shipped file names files that are there once installed: they are looked at in the source
   // tree here.
-  std::string shipped = readFile(fs::path(DEPTHSCOPE_TEST_DATA).parent_path().parent_path() /
+  std::string shipped = readFile(fs::canonical(DEPTHSCOPE_TEST_DATA).parent_path().parent_path() /
                                  "systemd" / "depthscope.toml");
+  ASSERT_FALSE(shipped.empty());
   const std::string prefix = "@CMAKE_INSTALL_FULL_DATADIR@/depthscope";
   for (std::size_t at = shipped.find(prefix); at != std::string::npos; at = shipped.find(prefix))
     shipped.replace(at, prefix.size(), DEPTHSCOPE_TEST_DATA);

@@ -61,5 +61,6 @@ class Box:
 
     def explain(self):
         """The guest's own view of a failure."""
-        return self.run("systemctl --no-pager status depthscope; journalctl --no-pager --boot --lines=40 --priority=info",
-                        check=False)
+        return self.run("systemctl --no-pager --lines=0 status depthscope; journalctl --no-pager --boot --unit=depthscope "
+                        "--lines=300 | grep -v -e 'no frames' -e 'status=ok' | tail -n 30; "
+                        "journalctl --no-pager --boot --dmesg --priority=err --lines=10", check=False)

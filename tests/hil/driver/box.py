@@ -55,9 +55,12 @@ class Box:
     def screen(self, name="screen"):
         return Picture.read_ppm(self.machine.screendump(name))
 
+    def keep(self, picture, name):
+        """A picture as NAME.png among the results."""
+        picture.write_png(os.path.join(self._folder, f"{name}.png"))
+
     def keep_screen(self, name):
-        """The monitor's picture as NAME.png among the results."""
-        self.screen().write_png(os.path.join(self._folder, f"{name}.png"))
+        self.keep(self.screen(), name)
 
     def explain(self):
         """The guest's own view of a failure."""

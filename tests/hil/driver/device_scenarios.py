@@ -25,10 +25,9 @@ def wait_for_tower(box, limit_s=120):
     wait_until(lambda: shown_number(box) is not None, limit_s, "the tower's picture on the monitor")
 
 
-def differences_from_source(box):
-    """The monitor against the tower's picture that it shows, computed by the book: pixels that differ, or None when it
-    shows no such picture. The first two pixels are left out, vivid does not loop them."""
-    screen = box.screen()
+def differences_from_source(box, screen):
+    """A picture of the monitor against the tower's picture in it, computed by the book: pixels that differ, or None when
+    there is no such picture. The first two pixels are left out, vivid does not loop them."""
     number = screen.number() if (screen.width, screen.height) == (640, 480) else None
     if number is None:
         return None
@@ -44,7 +43,7 @@ def the_towers_picture_is_on_the_monitor(box):
 
     def as_it_came():
         # The processor is too slow to keep up: now and then the picture is marked as late, and dark.
-        differing = differences_from_source(box)
+        differing = differences_from_source(box, box.screen())
         return differing is not None and all(x < 320 and y < 48 for x, y in differing)
     wait_until(as_it_came, 60, "every pixel as it came, but for the status mark")
     box.tower.go_on()
@@ -63,10 +62,10 @@ def the_footswitch_asks_for_a_surface(box):
     box.tower.hold()
 
     def overlay_is_on():
-        share = len(differences_from_source(box) or []) / (640 * 480)
-        return 0.03 < share < 0.9
-    wait_until(overlay_is_on, 120, "the surface over the picture")
-    box.keep_screen("ar_on")
+        screen = box.screen()
+        share = len(differences_from_source(box, screen) or []) / (640 * 480)
+        return screen if 0.03 < share < 0.9 else None
+    box.keep(wait_until(overlay_is_on, 180, "the surface over the picture"), "ar_on")
     box.tower.go_on()
 
 

@@ -87,6 +87,9 @@ void Daemon::run() {
   if (options_.settings.daemon.lock_memory) lockMemory();
   if (const std::string& path = options_.settings.daemon.frame_log; !path.empty())
     frame_log_.emplace(path);
+  // The first to open a graphics card is its master, who alone may show pictures; where there is no
+  // GPU, EGL would open the monitor's card to draw with.
+  display_->acquire(options_.camera.width, options_.camera.height);
   OverlayThread layers([this] {
     return std::make_unique<LayerPainter>(options_.camera, options_.settings.overlay, link_,
                                           video_requests_);

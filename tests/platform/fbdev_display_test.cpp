@@ -18,6 +18,7 @@ class FbdevDisplayTest : public ::testing::Test {
   FbdevDisplayTest() { plug(width, height, 32, 2); }
 
   void plug(int w, int h, int bits, int screens) {
+    display.reset();
     fb.reset();
     fb = std::make_unique<FakeFramebuffer>(kernel, "/dev/fb0", w, h, bits, screens);
   }

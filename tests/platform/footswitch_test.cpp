@@ -257,6 +257,7 @@ class KeyboardPedalTest : public FootswitchTest {
     settings.line.clear();
     settings.keyboard = "PCsensor FootSwitch";
   }
+  void TearDown() override { footswitch.reset(); }  // before the devices it holds open
   fake::FakeInputDevice mouse{kernel, "/dev/input/event0", "Mouse"};
   fake::FakeInputDevice pedal{kernel, "/dev/input/event1", "PCsensor FootSwitch"};
 };

@@ -166,7 +166,7 @@ TEST_F(FbdevDisplayTest, SurvivesAFaultOfAnyCall) {
   for (const int error : {EIO, ENODEV, EAGAIN, EINTR, EINVAL, EBUSY, EACCES})
     for (const bool forever : {false, true})
       for (std::uint64_t k = 1; k <= calls; ++k) {
-        kernel.inject({kernel.calls() + k, forever, fake::FaultPlan::Kind::Error, error});
+        kernel.inject({.call = kernel.calls() + k, .forever = forever, .error = error});
         session();
         kernel.inject({});
         const auto lifted = kernel.now();

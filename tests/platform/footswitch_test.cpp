@@ -347,7 +347,7 @@ TEST_F(KeyboardPedalTest, SurvivesAFaultOfAnyCall) {
   for (const int error : {EIO, ENODEV, EAGAIN, EINTR, EINVAL, EBUSY, EACCES})
     for (const bool forever : {false, true})
       for (std::uint64_t k = 1; k <= calls; ++k) {
-        kernel.inject({kernel.calls() + k, forever, fake::FaultPlan::Kind::Error, error});
+        kernel.inject({.call = kernel.calls() + k, .forever = forever, .error = error});
         session();
         kernel.inject({});
         pass(milliseconds(400));

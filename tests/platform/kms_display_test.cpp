@@ -282,7 +282,7 @@ TEST_F(KmsDisplayTest, SurvivesAFaultOfAnyCall) {
     for (const bool forever : {false, true})
       for (std::uint64_t k = 1; k <= calls; ++k) {
         SCOPED_TRACE(testing::Message() << "call " << k << " errno " << error << " " << forever);
-        session({kernel.calls() + k, forever, fake::FaultPlan::Kind::Error, error});
+        session({.call = kernel.calls() + k, .forever = forever, .error = error});
         ++injected;
         kernel.inject({});
         const auto lifted = kernel.now();

@@ -173,7 +173,7 @@ TEST_F(KmsPlanesTest, SurvivesAFaultOfAnyCall) {
       for (std::uint64_t k = 1; k <= calls; ++k) {
         SCOPED_TRACE(testing::Message() << "call " << k << " errno " << error << " " << forever);
         makeDisplay();
-        kernel.inject({kernel.calls() + k, forever, fake::FaultPlan::Kind::Error, error});
+        kernel.inject({.call = kernel.calls() + k, .forever = forever, .error = error});
         session();
         ++injected;
         kernel.inject({});

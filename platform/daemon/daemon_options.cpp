@@ -39,7 +39,11 @@ Settings readSettings(const std::string& config, const std::vector<std::string>&
   Settings settings;
   loadConfig(config, settings);
   for (const std::string& assignment : overrides) applyOverride(assignment, settings);
-  checkConsistency(settings);
+  try {
+    checkConsistency(settings);
+  } catch (const InputError& error) {
+    throw InputError(config + ": " + error.what());
+  }
   return settings;
 }
 

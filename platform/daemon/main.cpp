@@ -16,8 +16,8 @@ namespace {
 int checkConfig(const std::string& file) {
   Settings settings;
   loadConfig(file, settings);
-  checkConsistency(settings);
   try {
+    checkConsistency(settings);
     checkCapture(settings.capture);
   } catch (const InputError& error) {
     throw InputError(file + ": " + error.what());

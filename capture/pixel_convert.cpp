@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "capture/pixel_rows.hpp"
-
 namespace depthscope::capture {
 
 namespace {
@@ -32,10 +30,6 @@ constexpr YuvCoefficients kCoefficients[3][2] = {
     {coefficients(0.2126, 0.0722, YuvRange::Limited), coefficients(0.2126, 0.0722, YuvRange::Full)},
     {coefficients(0.2627, 0.0593, YuvRange::Limited), coefficients(0.2627, 0.0593, YuvRange::Full)},
 };
-
-const YuvCoefficients& coefficientsOf(const FrameFormat& format) {
-  return kCoefficients[static_cast<int>(format.matrix)][static_cast<int>(format.range)];
-}
 
 /// One row of a YUV frame, block by block.
 void yuvRowToRgba(const Frame& frame, int row, const YuvCoefficients& c, std::uint8_t* out) {
@@ -84,6 +78,10 @@ bool isRgb(PixelFormat format) {
 }
 
 }  // namespace
+
+const YuvCoefficients& coefficientsOf(const FrameFormat& format) {
+  return kCoefficients[static_cast<int>(format.matrix)][static_cast<int>(format.range)];
+}
 
 void toRgba(const Frame& frame, std::span<std::uint8_t> out) {
   if (!fits(frame, out, 4)) return;

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "capture/frame.hpp"
+#include "capture/pixel_rows.hpp"
 
 namespace depthscope::capture {
 
@@ -21,5 +22,8 @@ void toRgba(const Frame& frame, std::span<std::uint8_t> out);
 /// The frame's luma, 8 bit, rows packed, width * height bytes. Gray and YUV: the Y plane as it is,
 /// no range expanded; RGB: BT.601 weights, likewise. Does not allocate; sizes as for toRgba.
 void toGray(const Frame& frame, std::span<std::uint8_t> out);
+
+/// The numbers in toRgba()'s formula, for whoever else has to make the same of a picture.
+const YuvCoefficients& coefficientsOf(const FrameFormat& format);
 
 }  // namespace depthscope::capture

@@ -232,9 +232,11 @@ void bindDisplay(Binder& b, DisplaySettings& s) {
          "the framebuffer, \"auto\": /dev/fb0");
   b.text("connector", s.connector,
          "for \"kms\": the card's connector, e.g. HDMI-A-1; \"auto\": the first with a monitor");
-  b.flag("planes", s.planes,
-         "for \"kms\": show captured pictures from where they were captured and the overlay on a "
-         "hardware plane above, where the card can; else they are composed");
+  b.choice(
+      "route", s.route, {"auto", "gpu", "cpu"},
+      "for \"kms\": what lays the overlay over the picture; \"auto\": the display's own planes, "
+      "with no driver of a graphics processor in the picture's way, else the processor; "
+      "\"gpu\": the graphics processor, else the processor");
   b.text("mode", s.mode,
          "for \"kms\": WIDTHxHEIGHT or WIDTHxHEIGHT@HZ; \"auto\": the picture's own size and rate "
          "where the monitor has it");

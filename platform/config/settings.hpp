@@ -22,13 +22,17 @@ struct CaptureSettings {
 
 enum class DisplayKind { Null, File, Kms, Fbdev };
 
+/// Who lays the overlay over the picture on its way to a monitor. Auto: the display's own planes
+/// where it has them, else the processor. Gpu: the graphics processor, else the processor.
+enum class DisplayRoute { Auto, Gpu, Cpu };
+
 /// Where the daemon's pictures go to.
 struct DisplaySettings {
   DisplayKind kind = DisplayKind::Null;
   std::string path;                // video file to write, for kind "file"
   std::string device = "auto";     // card or framebuffer, e.g. /dev/dri/card0, /dev/fb0
   std::string connector = "auto";  // of the card, e.g. HDMI-A-1; auto: the first with a monitor
-  bool planes = true;         // captured pictures on a hardware plane of their own, if possible
+  DisplayRoute route = DisplayRoute::Auto;
   std::string mode = "auto";  // of the monitor, e.g. 1920x1080@60; auto: what fits the picture
 };
 

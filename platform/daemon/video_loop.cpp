@@ -122,8 +122,8 @@ void VideoLoop::showPicture(capture::Frame& frame) {
   parts_.layers.request({++requests_, width_, height_, frame.damaged, frame.capture_time});
   // Fault pictures were counted too.
   shown_ = std::max(shown_ + 1, static_cast<std::int64_t>(frame.sequence));
-  const auto dma = parts_.display.takesFrames() ? dmaPicture(frame) : std::nullopt;
-  if (!dma) capture::toRgba(frame, picture_);
+  const bool direct = parts_.display.takesFrame(frame);
+  if (!direct) capture::toRgba(frame, picture_);
   times.uploaded = parts_.system.now();
 
   const auto out = parts_.display.acquire(width_, height_);
@@ -134,9 +134,9 @@ void VideoLoop::showPicture(capture::Frame& frame) {
   times.overlaid = parts_.system.now();
   const OverlayLayer* layer = usableLayer(frame.capture_time);
   noteLayer(layer, times);
-  if (!dma || !presentDirect(frame, *dma, layer, out, times)) {
+  if (!direct || !presentDirect(frame, layer, out, times)) {
     if (frame.empty()) return giveUp(frame, times);
-    if (dma) capture::toRgba(frame, picture_);
+    if (direct) capture::toRgba(frame, picture_);
     compose(layer, out);
     times.composited = parts_.system.now();
     present(out);
@@ -160,13 +160,12 @@ void VideoLoop::giveUp(const capture::Frame& frame, const FrameTimes& times) {
 
 /// Gives the display the picture itself, where its hardware can lay the overlay over it. What else
 /// the picture is wanted for comes after that.
-bool VideoLoop::presentDirect(capture::Frame& frame, const DmaPicture& dma,
-                              const OverlayLayer* layer, std::span<std::uint8_t> out,
-                              FrameTimes& times) {
+bool VideoLoop::presentDirect(capture::Frame& frame, const OverlayLayer* layer,
+                              std::span<std::uint8_t> out, FrameTimes& times) {
   const LayerView view = layer != nullptr
                              ? LayerView{layer->pixels.data(), width_, height_, layer->rect}
                              : markLayer();
-  const capture::Frame* held = parts_.display.presentFrame(frame, dma, view, shown_);
+  const capture::Frame* held = parts_.display.presentFrame(frame, view, shown_);
   if (held == nullptr) return false;
   times.composited = times.submitted = parts_.system.now();
   parts_.report.presented.fetch_add(1, std::memory_order_release);

@@ -59,8 +59,8 @@ class VideoLoop {
 
   void showPicture(capture::Frame& frame);
   void giveUp(const capture::Frame& frame, const FrameTimes& times);
-  bool presentDirect(capture::Frame& frame, const DmaPicture& dma, const OverlayLayer* layer,
-                     std::span<std::uint8_t> out, FrameTimes& times);
+  bool presentDirect(capture::Frame& frame, const OverlayLayer* layer, std::span<std::uint8_t> out,
+                     FrameTimes& times);
   LayerView markLayer();
   overlay::Mark missingMark() const;
   void showFault(capture::SourceStatus status);

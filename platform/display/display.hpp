@@ -53,16 +53,15 @@ class Display {
   /// Shows the picture in the buffer last acquired; `index` grows with time, one each nominal frame
   /// time. When an earlier picture still waits for its turn, the newer one takes its place.
   virtual void present(std::int64_t index) = 0;
-  /// Whether it is worth asking presentFrame().
-  virtual bool takesFrames() const { return false; }
-  /// Shows a captured picture from the memory it was captured into, with a layer over it, where the
-  /// hardware can; after acquire() and in place of present(). The display then keeps the frame
-  /// until another picture has taken its place, and tells where: good until the next call. Null
-  /// with the frame left as it was: the picture is to be composed. Null with the frame gone: the
-  /// display has just failed. `picture` tells where the frame's pixels are.
-  virtual const capture::Frame* presentFrame(capture::Frame& /*frame*/,
-                                             const DmaPicture& /*picture*/,
-                                             const LayerView& /*layer*/, std::int64_t /*index*/) {
+  /// Whether it is worth asking presentFrame() for this picture.
+  virtual bool takesFrame(const capture::Frame& /*frame*/) const { return false; }
+  /// Shows a captured picture with a layer over it, where the hardware can put the two together;
+  /// after acquire() and in place of present(). The display then keeps the frame until another
+  /// picture has taken its place, and tells where: good until the next call. Null with the frame
+  /// left as it was: the picture is to be composed. Null with the frame gone: the display has just
+  /// failed.
+  virtual const capture::Frame* presentFrame(capture::Frame& /*frame*/, const LayerView& /*layer*/,
+                                             std::int64_t /*index*/) {
     return nullptr;
   }
   virtual DisplayState state() const = 0;

@@ -93,7 +93,8 @@ FakeKmsCard::FakeKmsCard(FakeKernel& kernel, std::string name, std::vector<Conne
                                                             {"CRTC_X", 0},
                                                             {"CRTC_Y", 0},
                                                             {"CRTC_W", 0},
-                                                            {"CRTC_H", 0}}};
+                                                            {"CRTC_H", 0},
+                                                            {"IN_FENCE_FD", no_fence}}};
   for (auto& [id, object] : state_) {
     if (object.type != DRM_MODE_OBJECT_PLANE) continue;
     const PlaneKind& kind = planes_[object.index];

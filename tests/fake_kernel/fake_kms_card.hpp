@@ -37,6 +37,8 @@ class FakeKmsCard final : public FakeDevice {
     bool has_colors = false;  // COLOR_ENCODING and COLOR_RANGE
   };
 
+  static constexpr std::uint64_t no_fence = ~std::uint64_t{0};  // of the property IN_FENCE_FD
+
   /// Puts itself at /dev/dri/`name`, its connectors under /sys/class/drm. One plane of each kind.
   FakeKmsCard(FakeKernel& kernel, std::string name, std::vector<Connector> connectors,
               std::vector<PlaneKind> planes = {{}});

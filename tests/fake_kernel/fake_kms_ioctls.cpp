@@ -242,6 +242,8 @@ int FakeKmsCard::importDmabuf(const File& client, drm_prime_handle& p) {
 
 /// The state that a request asks for.
 int FakeKmsCard::apply(const drm_mode_atomic& a, State& next) const {
+  for (auto& [id, object] : next)  // a fence is for one commit
+    if (object.type == DRM_MODE_OBJECT_PLANE) object.values["IN_FENCE_FD"] = no_fence;
   std::size_t at = 0;
   for (std::uint32_t i = 0; i < a.count_objs; ++i) {
     const auto object = next.find(pointer<std::uint32_t>(a.objs_ptr)[i]);
@@ -273,6 +275,8 @@ int FakeKmsCard::checkPlane(const State& next, const Object& plane) const {
   const auto& v = plane.values;
   const auto fb_id = static_cast<std::uint32_t>(v.at("FB_ID"));
   if ((fb_id == 0) != (v.at("CRTC_ID") == 0)) return -EINVAL;
+  const std::uint64_t fence = v.at("IN_FENCE_FD");
+  if (fence != no_fence && kernel_.file(static_cast<int>(fence)) == nullptr) return -EINVAL;
   if (fb_id == 0 || fb_id == console_framebuffer_) return 0;
   const auto fb = framebuffers_.find(fb_id);
   if (fb == framebuffers_.end()) return -ENOENT;

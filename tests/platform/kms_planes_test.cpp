@@ -32,7 +32,8 @@ class KmsPlanesTest : public KmsDisplayTest {
   }
   /// A turn with a captured picture of one colour and a layer with one pixel in it, half
   /// transparent, at (spot, 1). True when the planes took it.
-  bool planesTurn(std::uint32_t rgb, int spot, std::uint32_t fourcc = DRM_FORMAT_XRGB8888) {
+  bool planesTurn(std::uint32_t rgb, int spot,
+                  capture::PixelFormat pixels = capture::PixelFormat::Bgrx32) {
     bool taken = false;
     if (!display->acquire(width, height).empty()) {
       capture::Frame frame = pool->acquire();
@@ -44,17 +45,14 @@ class KmsPlanesTest : public KmsDisplayTest {
       std::fill(layer.begin(), layer.end(), std::uint8_t{0});
       layer[at] = 0x40;  // red, premultiplied
       layer[at + 3] = 0x80;
-      DmaPicture picture;
-      picture.fourcc = fourcc;
-      picture.width = width;
-      picture.height = height;
-      picture.planes[0] = {fd.get(), 0, width * 4};
-      if (fourcc == DRM_FORMAT_YUYV) {
-        picture.encoding = DmaPicture::Encoding::Bt709;
-        picture.full_range = false;
-      }
+      frame.format.pixel_format = pixels;
+      frame.format.matrix = capture::YuvMatrix::Bt709;
+      frame.format.range = pixels == capture::PixelFormat::Yuyv ? capture::YuvRange::Limited
+                                                                : capture::YuvRange::Full;
+      frame.planes[0].stride = width * 4;
+      frame.dma[0] = {fd.get(), 0};
       const LayerView view{layer.data(), width, height, {spot, 1, spot + 1, 2}};
-      const capture::Frame* held = display->presentFrame(frame, picture, view, ++index);
+      const capture::Frame* held = display->presentFrame(frame, view, ++index);
       taken = held != nullptr;
       EXPECT_TRUE(!taken || !held->empty());
       if (!taken && frame.empty()) return false;  // the display failed
@@ -131,11 +129,11 @@ TEST_F(KmsPlanesTest, YuvGoesOnlyToPlanesThatCanBeToldItsColours) {
   plugPlanes({{1, {DRM_FORMAT_XRGB8888, DRM_FORMAT_YUYV}}, {0, {DRM_FORMAT_ARGB8888}}});
   makeDisplay();
   for (int i = 0; i < 3; ++i) turn(1);
-  EXPECT_FALSE(planesTurn(2, 1, DRM_FORMAT_YUYV));
+  EXPECT_FALSE(planesTurn(2, 1, capture::PixelFormat::Yuyv));
   plugPlanes({{1, {DRM_FORMAT_XRGB8888, DRM_FORMAT_YUYV}, -1, true}, {0, {DRM_FORMAT_ARGB8888}}});
   makeDisplay();
   for (int i = 0; i < 3; ++i) turn(1);
-  EXPECT_TRUE(planesTurn(2, 1, DRM_FORMAT_YUYV));
+  EXPECT_TRUE(planesTurn(2, 1, capture::PixelFormat::Yuyv));
   EXPECT_EQ(card->planeValue(0, "COLOR_ENCODING"), 5u);
   EXPECT_EQ(card->planeValue(0, "COLOR_RANGE"), 7u);
 }
@@ -144,13 +142,13 @@ TEST_F(KmsPlanesTest, APictureLargerThanTheModeIsComposed) {
   settings.mode = "64x48";
   makeDisplay();
   for (int i = 0; i < 3; ++i) turn(1, 128, 96);
-  capture::Frame frame = pool->acquire();
-  DmaPicture picture;
-  picture.fourcc = DRM_FORMAT_XRGB8888;
-  picture.width = 128;
-  picture.height = 96;
+  capture::Frame frame =
+      capture::FramePool::create(
+          {capture::PixelFormat::Bgrx32, 128, 96, {}, capture::YuvRange::Full}, 1)
+          ->acquire();
+  frame.dma[0] = {7, 0};
   ASSERT_FALSE(display->acquire(128, 96).empty());
-  EXPECT_EQ(display->presentFrame(frame, picture, {layer.data(), 128, 96, {}}, 5), nullptr);
+  EXPECT_EQ(display->presentFrame(frame, {layer.data(), 128, 96, {}}, 5), nullptr);
   EXPECT_FALSE(frame.empty());
 }
 

@@ -62,7 +62,6 @@ class ScriptedSource final : public capture::FrameSource {
     if (entry.status != capture::SourceStatus::Ok) return {entry.status, {}, false};
     return {capture::SourceStatus::Ok, picture(entry), false};
   }
-  bool dma = false;  // pictures lie in memory that displays can read
   capture::FrameFormat format() const override { return format_; }
   double fps() const override { return 30; }
   std::uint64_t skipped() const override { return 0; }
@@ -88,7 +87,6 @@ class ScriptedSource final : public capture::FrameSource {
     frame.sequence = entry.sequence;
     frame.capture_time = entry.at;
     frame.damaged = entry.damaged;
-    if (dma) frame.dma.fill({7, 0});
     return frame;
   }
 
@@ -120,9 +118,9 @@ class RecordingDisplay final : public Display {
     system_.advance(milliseconds(2));
     if (keep) shown.push_back({system_.now(), index, width_, height_, buffer_});
   }
-  bool takesFrames() const override { return planes; }
-  const capture::Frame* presentFrame(capture::Frame& frame, const DmaPicture&,
-                                     const LayerView& layer, std::int64_t index) override {
+  bool takesFrame(const capture::Frame&) const override { return planes; }
+  const capture::Frame* presentFrame(capture::Frame& frame, const LayerView& layer,
+                                     std::int64_t index) override {
     if (refuse) return nullptr;
     held_ = std::move(frame);
     if (lose) return held_ = {}, nullptr;

@@ -117,7 +117,7 @@ TEST_F(VideoLoopTest, ADisplayThatLaysOverlaysOverByItselfShowsTheSame) {
   for (int i = 0; i < 6; ++i) showPicture(true);
   const auto composed = last().pixels;
   SetUp();
-  source.dma = display.planes = true;
+  display.planes = true;
   for (int i = 0; i < 6; ++i) showPicture(true);
   EXPECT_EQ(display.direct, 6);
   // The pattern of the pictures moves on by one each: the overlay's own pixels are compared by how
@@ -131,7 +131,7 @@ TEST_F(VideoLoopTest, ADisplayThatLaysOverlaysOverByItselfShowsTheSame) {
 }
 
 TEST_F(VideoLoopTest, WhatTheDisplaysPlanesDoNotTakeIsComposed) {
-  source.dma = display.planes = true;
+  display.planes = true;
   showPicture(false);
   display.refuse = true;
   showPicture(false);

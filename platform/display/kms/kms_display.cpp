@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "platform/display/display_errors.hpp"
+#include "platform/display/kms/flip_events.hpp"
 #include "platform/display/kms/monitor_watch.hpp"
 #include "platform/log.hpp"
 
@@ -26,9 +27,11 @@ std::chrono::nanoseconds seconds(double s) {
 
 }  // namespace
 
-KmsDisplay::KmsDisplay(const DisplaySettings& settings, kernel::SystemCalls& calls, double fps)
+KmsDisplay::KmsDisplay(const DisplaySettings& settings, kernel::SystemCalls& calls, double fps,
+                       GpuComposerMaker make_gpu)
     : settings_(settings),
       mode_request_(parseModeRequest(settings.mode)),
+      make_gpu_(make_gpu),
       calls_(calls),
       fps_(fps) {}
 
@@ -67,19 +70,29 @@ void KmsDisplay::present(std::int64_t index) {
   if (!flip_) submit();
 }
 
-const capture::Frame* KmsDisplay::presentFrame(capture::Frame& frame, const DmaPicture& picture,
-                                               const LayerView& layer, std::int64_t index) {
-  // The mode is set with a composed picture, so that nothing but planes is new here.
-  if (!settings_.planes || !output_ || !lit_) return nullptr;
+bool KmsDisplay::takesFrame(const capture::Frame& frame) const {
+  switch (settings_.route) {
+    case DisplayRoute::Auto:
+      return dmaPicture(frame).has_value();
+    case DisplayRoute::Gpu:
+      return true;
+    case DisplayRoute::Cpu:
+      break;
+  }
+  return false;
+}
+
+const capture::Frame* KmsDisplay::presentFrame(capture::Frame& frame, const LayerView& layer,
+                                               std::int64_t index) {
+  // The mode is set with a composed picture, so that nothing but the route is new here.
+  if (!output_ || !lit_ || !takesFrame(frame)) return nullptr;
   if (flip_) waitForFlip();
   if (!output_) return nullptr;
   waiting_.reset();
   Output::Shot shot;
-  const int error = output_->import(picture, shot.picture);
+  const int error = makeShot(frame, layer, shot);
   noteRoute(error == 0);
   if (error != 0) return nullptr;
-  shot.layer = freeOf(&Output::Shot::layer);
-  output_->drawLayer(shot.layer, layer);
   shot.frame = std::move(frame);
   waiting_ = Waiting{std::move(shot), index};
   if (flip_) return &waiting_->shot.frame;
@@ -90,19 +103,28 @@ const capture::Frame* KmsDisplay::presentFrame(capture::Frame& frame, const DmaP
   return nullptr;
 }
 
+int KmsDisplay::makeShot(const capture::Frame& frame, const LayerView& layer, Output::Shot& shot) {
+  if (settings_.route == DisplayRoute::Gpu) {
+    shot.gpu = freeOf(&Output::Shot::gpu);
+    return output_->drawByGpu(frame, layer, make_gpu_, shot);
+  }
+  if (const int error = output_->import(*dmaPicture(frame), shot.picture)) return error;
+  shot.layer = freeOf(&Output::Shot::layer);
+  output_->drawLayer(shot.layer, layer);
+  return 0;
+}
+
 void KmsDisplay::noteRoute(bool direct) {
   if (direct == std::exchange(direct_, direct)) return;
-  log(LogPriority::Info,
-      direct ? "pictures go to the monitor on a plane of their own" : "pictures are composed");
+  log(LogPriority::Info, !direct ? "pictures are composed by the processor"
+                         : settings_.route == DisplayRoute::Gpu
+                             ? "pictures are composed by the graphics processor"
+                             : "pictures go to the monitor on a plane of their own");
 }
 
 std::optional<ShownPicture> KmsDisplay::takeShown() {
   if (output_) takeEvents();
-  if (shown_count_ == 0) return std::nullopt;
-  const ShownPicture shown = shown_[shown_first_];
-  shown_first_ = (shown_first_ + 1) % shown_.size();
-  --shown_count_;
-  return shown;
+  return shown_.take();
 }
 
 // ---- From nothing to a lit monitor
@@ -208,7 +230,7 @@ int KmsDisplay::freeOf(int Output::Shot::*number) const {
 void KmsDisplay::submit() {
   const int error = output_->flip(waiting_->shot, !lit_, ++serial_);
   if (error == -EINVAL && waiting_->shot.buffer < 0) {
-    output_->refuseRoute();
+    output_->refuse(waiting_->shot);
     refused_frame_ = std::move(waiting_->shot.frame);
     waiting_.reset();
     return;
@@ -229,24 +251,10 @@ void KmsDisplay::strike(int error) {
 
 /// Takes in which pictures were shown, and hands over the one that waited for that.
 void KmsDisplay::takeEvents() {
-  alignas(drm_event_vblank) std::array<std::byte, 512> buffer;
-  const ssize_t got = kernel::retryInterrupted([&] { return calls_.read(card_->fd(), buffer); });
-  if (got == -ENODEV) return fail(-ENODEV);
-  std::size_t at = 0;
-  const auto end = static_cast<std::size_t>(std::max<ssize_t>(got, 0));
-  while (at + sizeof(drm_event) <= end) {
-    drm_event header;
-    std::memcpy(&header, &buffer[at], sizeof header);
-    if (header.length < sizeof header || at + header.length > end) break;
-    drm_event_vblank event;
-    if (header.type == DRM_EVENT_FLIP_COMPLETE && header.length >= sizeof event) {
-      std::memcpy(&event, &buffer[at], sizeof event);
-      if (flip_ && event.user_data == flip_->serial)
-        completeFlip(
-            Time(std::chrono::seconds(event.tv_sec) + std::chrono::microseconds(event.tv_usec)));
-    }
-    at += header.length;
-  }
+  const int error = readFlipEvents(calls_, card_->fd(), [&](std::uint64_t serial, Time shown) {
+    if (flip_ && serial == flip_->serial) completeFlip(shown);
+  });
+  if (error != 0) return fail(error);
   if (flip_ && calls_.now() >= flip_->overdue) {
     if (!flip_->retired) front_ = std::move(flip_->shot);
     flip_.reset();
@@ -263,11 +271,7 @@ void KmsDisplay::completeFlip(Time shown) {
     retired_front_ = {};
     retired_.reset();
   }
-  if (shown_count_ == shown_.size()) {
-    shown_first_ = (shown_first_ + 1) % shown_.size();
-    --shown_count_;
-  }
-  shown_[(shown_first_ + shown_count_++) % shown_.size()] = {flip_->index, flip_->submitted, shown};
+  shown_.add({flip_->index, flip_->submitted, shown});
   flip_.reset();
   report(DisplayState::Ok, 0);
 }

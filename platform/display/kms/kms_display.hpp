@@ -3,6 +3,7 @@
 
 #include "platform/display/display.hpp"
 #include "platform/display/kms/output.hpp"
+#include "platform/display/kms/shown_pictures.hpp"
 
 namespace depthscope::platform::kms {
 
@@ -17,15 +18,16 @@ namespace depthscope::platform::kms {
 class KmsDisplay final : public Display {
  public:
   /// Throws InputError when display.mode cannot be read. The card is opened with the first picture.
-  /// `fps`: of the pictures to come; 0: unknown.
-  KmsDisplay(const DisplaySettings& settings, kernel::SystemCalls& calls, double fps);
+  /// `fps`: of the pictures to come; 0: unknown. `make_gpu`: for display.route = "gpu".
+  KmsDisplay(const DisplaySettings& settings, kernel::SystemCalls& calls, double fps,
+             GpuComposerMaker make_gpu = makeGbmComposer);
   ~KmsDisplay() override;
 
   std::span<std::uint8_t> acquire(int width, int height) override;
   void present(std::int64_t index) override;
-  bool takesFrames() const override { return settings_.planes; }
-  const capture::Frame* presentFrame(capture::Frame& frame, const DmaPicture& picture,
-                                     const LayerView& layer, std::int64_t index) override;
+  bool takesFrame(const capture::Frame& frame) const override;
+  const capture::Frame* presentFrame(capture::Frame& frame, const LayerView& layer,
+                                     std::int64_t index) override;
   DisplayState state() const override { return state_; }
   DisplayMode mode() const override;
   std::optional<ShownPicture> takeShown() override;
@@ -55,6 +57,7 @@ class KmsDisplay final : public Display {
   bool monitorMayBeThere();
   void watchMonitor(Time now);
 
+  int makeShot(const capture::Frame& frame, const LayerView& layer, Output::Shot& shot);
   void takeEvents();
   void completeFlip(Time shown);
   void waitForFlip();
@@ -71,6 +74,7 @@ class KmsDisplay final : public Display {
 
   DisplaySettings settings_;
   ModeRequest mode_request_;
+  GpuComposerMaker make_gpu_;
   kernel::SystemCalls& calls_;
   double fps_;
 
@@ -82,7 +86,7 @@ class KmsDisplay final : public Display {
   std::unique_ptr<Output>
       retired_;          // the one before: on screen until the new one's first picture is
   bool lit_ = false;     // the mode was set
-  bool direct_ = false;  // the last picture went over planes
+  bool direct_ = false;  // the last picture was not composed by the processor
 
   PictureRate picture_;
   std::vector<std::uint8_t> memory_;  // of the picture that is made
@@ -101,8 +105,7 @@ class KmsDisplay final : public Display {
   Time next_try_{}, next_watch_{};
   std::string status_path_;  // of the connector in sysfs
 
-  std::array<ShownPicture, 4> shown_;
-  std::size_t shown_first_ = 0, shown_count_ = 0;
+  ShownPictures shown_;
 };
 
 }  // namespace depthscope::platform::kms

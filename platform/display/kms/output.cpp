@@ -118,8 +118,20 @@ int Output::import(const DmaPicture& picture, ImportedPicture& imported) {
   return error;
 }
 
-void Output::refuseRoute() {
-  if (route_) refused_ = route_->kind();
+int Output::drawByGpu(const capture::Frame& frame, const LayerView& layer, GpuComposerMaker make,
+                      Shot& shot) {
+  if (gpu_refused_) return -ENOTSUP;
+  int error = gpu_ ? 0 : make(*card_, mode_.hdisplay, mode_.vdisplay, gpu_);
+  if (error == 0 && !gpu_->takes(frame)) return -ENOTSUP;
+  if (error == 0) error = gpu_->draw(shot.gpu, frame, layer, shot.drawn);
+  // Its buffers stay where they are: one may be on screen.
+  if (error != 0) gpu_refused_ = true;
+  return error;
+}
+
+void Output::refuse(const Shot& shot) {
+  if (shot.gpu >= 0) gpu_refused_ = true;
+  if (shot.layer >= 0 && route_) refused_ = route_->kind();
 }
 
 int Output::flip(const Shot& shot, bool modeset, std::uint64_t serial) const {
@@ -133,14 +145,18 @@ int Output::commit(const Shot& shot, bool modeset, std::uint32_t flags,
     flags |= DRM_MODE_ATOMIC_ALLOW_MODESET;
     pipeline_.light(request, blob_.id());
   }
-  if (shot.buffer < 0) {
+  if (shot.layer >= 0) {
     route_->show(request, shot.picture.framebuffer(), shot.layer);
   } else {
     if (route_) route_->hide(request);
-    pipeline_.primary.properties.show(
+    const PlaneProperties& primary = pipeline_.primary.properties;
+    const auto buffer = static_cast<std::size_t>(shot.buffer);
+    primary.show(
         request, pipeline_.crtc,
-        buffers_[static_cast<std::size_t>(shot.buffer)].memory.framebuffer(), 0, 0, mode_.hdisplay,
-        mode_.vdisplay);
+        shot.gpu >= 0 ? gpu_->framebuffer(shot.gpu) : buffers_[buffer].memory.framebuffer(), 0, 0,
+        mode_.hdisplay, mode_.vdisplay);
+    if (shot.drawn.valid())
+      request.add(primary.plane, primary.in_fence, static_cast<std::uint64_t>(shot.drawn.get()));
   }
   return request.commit(*card_, flags, serial);
 }

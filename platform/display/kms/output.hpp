@@ -4,6 +4,7 @@
 
 #include "capture/frame.hpp"
 #include "platform/display/display.hpp"
+#include "platform/display/gpu/gpu_composer.hpp"
 #include "platform/display/kms/dumb_buffer.hpp"
 #include "platform/display/kms/imported_picture.hpp"
 #include "platform/display/kms/mode_choice.hpp"
@@ -34,11 +35,13 @@ class Output {
  public:
   static constexpr int buffer_count = 3;
 
-  /// What is put on the screen at once: a composed picture in a buffer, or a captured one with a
-  /// buffer of its route's layer.
+  /// What is put on the screen at once: a composed picture in a buffer of ours or of the graphics
+  /// processor's, or a captured one with a buffer of its route's layer.
   struct Shot {
-    int buffer = -1;  // -1: a captured picture
+    int buffer = -1;  // -1: not composed by the processor
+    int gpu = -1;     // -1: not composed by the graphics processor
     int layer = -1;
+    kernel::OwnedFd drawn;  // readable when the graphics processor has finished
     ImportedPicture picture;
     capture::Frame frame;  // the picture's memory, kept as long as it is scanned out
   };
@@ -58,8 +61,12 @@ class Output {
   /// what was refused once is refused at once the next time.
   int import(const DmaPicture& picture, ImportedPicture& imported);
   void drawLayer(int buffer, const LayerView& layer) { route_->draw(buffer, layer); }
-  /// The planes take no more of what import() found a route for.
-  void refuseRoute();
+  /// Has the graphics processor compose a picture into buffer shot.gpu of its own, if it can;
+  /// `make` makes what does that. 0 or -errno; after a failure it is not tried again.
+  int drawByGpu(const capture::Frame& frame, const LayerView& layer, GpuComposerMaker make,
+                Shot& shot);
+  /// The card takes no more shots of this kind.
+  void refuse(const Shot& shot);
 
   /// Has it shown from the next vblank on, without waiting; an event with `serial` follows.
   /// `modeset`: lights the monitor in the mode too. 0 or -errno.
@@ -81,6 +88,8 @@ class Output {
   std::array<Buffer, buffer_count> buffers_;
   std::unique_ptr<PlaneRoute> route_;
   std::optional<DmaPicture> refused_;  // a kind of picture that no planes take
+  std::unique_ptr<GpuComposer> gpu_;
+  bool gpu_refused_ = false;
 };
 
 }  // namespace depthscope::platform::kms

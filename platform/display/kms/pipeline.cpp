@@ -30,7 +30,8 @@ PlaneProperties planeProperties(std::uint32_t plane, const Properties& p) {
           idOf(p, "CRTC_X"),
           idOf(p, "CRTC_Y"),
           idOf(p, "CRTC_W"),
-          idOf(p, "CRTC_H")};
+          idOf(p, "CRTC_H"),
+          idOf(p, "IN_FENCE_FD")};
 }
 
 /// The CRTC that the connector is on, else one that is free, else any that it can have.

@@ -11,6 +11,7 @@ struct PlaneProperties {
   std::uint32_t fb = 0, crtc = 0;
   std::uint32_t src_x = 0, src_y = 0, src_w = 0, src_h = 0;
   std::uint32_t crtc_x = 0, crtc_y = 0, crtc_w = 0, crtc_h = 0;
+  std::uint32_t in_fence = 0;
 
   /// Shows all of a framebuffer of `width` x `height` pixels at (x, y), one to one.
   void show(AtomicRequest& request, std::uint32_t crtc_id, std::uint32_t framebuffer, int x, int y,

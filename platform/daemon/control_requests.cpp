@@ -224,6 +224,7 @@ std::string ControlRequests::status() const {
     json["relocalizations"] = ar.relocalizations;
     json["loops_closed"] = ar.loops_closed;
     json["surfaces"] = ar.surfaces;
+    json["ar_frames"] = ar.tracked_frames;
     json["ar_dropped_frames"] = ar.dropped_frames;
     json["track_p50_ms"] = ar.track_p50_ms;
     json["track_p95_ms"] = ar.track_p95_ms;

@@ -1,7 +1,8 @@
-// clip_frames CLIP COUNT FILE: the first COUNT pictures of a clip as the tower of the hardware
-// tests sends them: YUYV, BT.601, limited range, rows packed. Each carries its number in the bottom
-// left corner: 16 blocks of 8x8 pixels, the lowest bit first, the highest always set, white for 1
-// and black for 0.
+// clip_frames CLIP COUNT STEP FILE: COUNT pictures of a clip, every STEP-th from the first on, as
+// the tower of the hardware tests sends them: YUYV, BT.601, limited range, rows packed. Each
+// carries its number in the bottom left corner: 16 blocks of 8x8 pixels, the lowest bit first, the
+// highest always set, white for 1 and black for 0.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -43,18 +44,19 @@ void stampNumber(std::vector<std::uint8_t>& yuyv, int width, int height, int num
 
 int main(int argc, char** argv) {
   using namespace depthscope::capture;
-  if (argc != 4) return std::fputs("usage: clip_frames CLIP COUNT FILE\n", stderr), 2;
+  if (argc != 5) return std::fputs("usage: clip_frames CLIP COUNT STEP FILE\n", stderr), 2;
   FileSourceSettings settings;
   settings.path = argv[1];
   const auto source = openFileSource(settings);
-  std::ofstream out(argv[3], std::ios::binary);
-  const int count = std::atoi(argv[2]);
-  for (int i = 0; i < count; ++i) {
+  std::ofstream out(argv[4], std::ios::binary);
+  const int count = std::atoi(argv[2]), step = std::max(1, std::atoi(argv[3]));
+  for (int i = 0; i < count * step; ++i) {
     const ReadResult read = source->read(std::chrono::seconds(10));
     if (read.status != SourceStatus::Ok || read.frame.format.pixel_format != PixelFormat::Yuv420p)
       return std::fputs("clip_frames: expected a longer clip in YUV 4:2:0\n", stderr), 1;
+    if (i % step != 0) continue;
     auto yuyv = toYuyv(read.frame);
-    stampNumber(yuyv, read.frame.format.width, read.frame.format.height, i);
+    stampNumber(yuyv, read.frame.format.width, read.frame.format.height, i / step);
     out.write(reinterpret_cast<const char*>(yuyv.data()),
               static_cast<std::streamsize>(yuyv.size()));
   }

@@ -41,7 +41,7 @@ cp "$build/bin/hil_tower" "$out/payload/tower"
 cp "$build/bin/hil_ask" "$out/payload/ask"
 cp "$build/bin/hil_capture_check" "$out/payload/capture_check"
 cp "$here"/guest/* "$out/payload"
-"$build/bin/hil_clip_frames" "$here/../data/sample/video.mp4" 90 "$out/payload/clip.yuyv"
+"$build/bin/hil_clip_frames" "$here/../data/sample/video.mp4" 90 3 "$out/payload/clip.yuyv"
 mke2fs -q -t ext4 -d "$out/payload" -O ^has_journal "$out/payload.ext4" 120M >/dev/null
 
 exec env TMPDIR="$out" python3 -u "$here/driver/main.py" --image "$image" --payload "$out/payload.ext4" \

@@ -1,7 +1,9 @@
-// tower DEVICE FRAMES INTERVAL_MS: stands for the endoscope tower. Sends the pictures of a file
-// (640x480, YUYV, rows packed) into vivid's output, forth and back without an end, a new one every
-// INTERVAL_MS. The newest picture stays on the line until the next one comes, also while this
-// program is stopped (SIGSTOP).
+// tower DEVICE FRAMES: stands for the endoscope tower. Sends the pictures of a file (640x480, YUYV,
+// rows packed) into vivid's output, forth and back without an end. An emulated processor has no
+// rate that it could be held to, so the tower goes by what the box says of itself: the next picture
+// comes when AR has seen this one, and the scope moves by so much from one picture that AR sees to
+// the next, however long AR takes. Where no AR runs a picture stays for a second. The newest one
+// stays on the line until the next comes, also while this program is stopped (SIGSTOP).
 #include <fcntl.h>
 #include <linux/v4l2-dv-timings.h>
 #include <linux/videodev2.h>
@@ -15,13 +17,19 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 #include <thread>
 #include <vector>
 
+#include "platform/config/settings.hpp"
+#include "platform/tool/control_client.hpp"
+
 namespace {
+
+using namespace std::chrono_literals;
 
 constexpr std::uint32_t width = 640, height = 480, frame_bytes = width * height * 2;
 constexpr std::uint32_t buffer_count = 4;
@@ -78,7 +86,35 @@ std::uint32_t freeBuffer(int fd, std::uint32_t& used, std::size_t count) {
   return buffer.index;
 }
 
-void play(int fd, std::ifstream& frames, std::chrono::milliseconds interval) {
+/// How many pictures the AR process has worked through; nothing where none runs.
+std::optional<std::int64_t> picturesSeenByAr() {
+  using namespace depthscope::platform;
+  try {
+    const auto status =
+        nlohmann::json::parse(controlRequest(DaemonSettings().control_socket, "status"));
+    if (status.contains("ar_frames")) return status["ar_frames"].get<std::int64_t>();
+  } catch (const std::exception&) {
+    // No daemon, or one that is just starting or ending.
+  }
+  return std::nullopt;
+}
+
+/// Until AR has worked through a picture that it took after this call. The first one to be counted
+/// may be of before.
+void waitForAr() {
+  constexpr std::int64_t pictures = 2;
+  const auto second = std::chrono::steady_clock::now() + 1s;
+  const auto before = picturesSeenByAr();
+  for (;;) {
+    std::this_thread::sleep_for(100ms);
+    const auto seen = picturesSeenByAr();
+    const bool same_process = before && seen && *seen >= *before;
+    if (same_process ? *seen >= *before + pictures : std::chrono::steady_clock::now() >= second)
+      return;
+  }
+}
+
+void play(int fd, std::ifstream& frames) {
   const auto buffers = mapBuffers(fd);
   frames.seekg(0, std::ios::end);
   const auto count = static_cast<std::int64_t>(frames.tellg()) / frame_bytes;
@@ -102,20 +138,20 @@ void play(int fd, std::ifstream& frames, std::chrono::milliseconds interval) {
       int type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
       call(fd, VIDIOC_STREAMON, &type, "VIDIOC_STREAMON");
     }
-    std::this_thread::sleep_for(interval);
+    waitForAr();
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) return std::fputs("usage: tower DEVICE FRAMES INTERVAL_MS\n", stderr), 2;
+  if (argc != 3) return std::fputs("usage: tower DEVICE FRAMES\n", stderr), 2;
   try {
     const int fd = ::open(argv[1], O_RDWR | O_CLOEXEC);
     if (fd < 0) throw std::system_error(errno, std::generic_category(), argv[1]);
     setMode(fd);
     std::ifstream frames(argv[2], std::ios::binary);
-    play(fd, frames, std::chrono::milliseconds(std::atoi(argv[3])));
+    play(fd, frames);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tower: %s\n", error.what());
     return 1;

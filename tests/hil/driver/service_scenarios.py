@@ -1,5 +1,5 @@
 """The service's life: installed, booted, confined, reloaded, stopped dead, upgraded, removed."""
-from device_scenarios import expect, wait_for_tower
+from device_scenarios import as_it_came, expect, wait_for_tower
 from machine import wait_until
 
 
@@ -80,6 +80,41 @@ def an_upgrade_keeps_everything(box):
     wait_for_tower(box)
 
 
+def expect_console(box):
+    """The kernel's own picture is on the monitor, in its own mode, with something written on it."""
+    def console():
+        screen = box.screen()
+        return (screen.width, screen.height) == (1280, 720) and screen.number() is None and any(screen.pixels)
+    wait_until(console, 30, "the console on the monitor")
+
+
+def a_crash_gives_the_console_back(box):
+    """However the program ends: here it cannot do anything about it itself, and nobody starts it again."""
+    never = "/run/systemd/system/depthscope.service.d/never.conf"
+    box.run(f"install -D /dev/null {never} && printf '[Service]\\nRestart=no\\n' >{never} && systemctl daemon-reload")
+    box.run(f"kill -KILL {box.property('MainPID')}")
+    expect_console(box)
+    box.run(f"rm {never} && systemctl daemon-reload && systemctl start depthscope")
+    wait_for_tower(box)
+
+
+def the_graphics_processor_shows_the_same(box):
+    """Its driver in the picture's way for once (Mesa's for the processor, through GBM): every pixel as it came."""
+    file = "/etc/depthscope/depthscope.toml"
+    box.run(f"sed -i 's/^kind = .*/&\\nroute = \"gpu\"/' {file}")
+    box.run("systemctl restart depthscope")
+    wait_until(lambda: "composed by the graphics processor" in box.journal("--since=-5min"), 90, "the log says who composes")
+    wait_for_tower(box)
+    box.run("/run/payload/ask 'overlay off'")
+    box.tower.hold()
+    wait_until(lambda: as_it_came(box), 60, "every pixel as it came, but for the status mark")
+    expect("composed by the processor" not in box.journal("--since=-5min"), "it was given up")
+    box.tower.go_on()
+    box.configure()
+    box.run("systemctl restart depthscope")
+    wait_for_tower(box)
+
+
 def a_stop_gives_the_console_back(box):
     box.run("sleep 3")
     expect(box.property("ActiveState") == "active", "it did not stay up: " + box.property("ActiveState"))
@@ -87,6 +122,7 @@ def a_stop_gives_the_console_back(box):
     expect(box.property("Result") == "success", "ended with " + box.property("Result"))
     expect(box.run("ls /run/depthscope", check=False).startswith("ls: cannot access"), "the control socket is still there")
     wait_until(lambda: box.run("systemctl is-active getty@tty1", check=False) == "active", 30, "a login prompt")
+    expect_console(box)
     expect(box.run("grep -l depthscope /proc/[0-9]*/comm", check=False) == "", "processes are left")
 
 
@@ -97,7 +133,7 @@ def every_format_of_the_card_is_captured_right(box):
             "--set-ctrl=loop_video=0,percentage_of_dropped_buffers=0,dv_timings_signal_mode=0")
     lines = box.run("/run/payload/capture_check /dev/video0 2", limit_s=400, check=False).splitlines()
     for size in ("640x480", "1280x720", "1920x1080"):
-        for pixels in ("YUYV", "UYVY", "NV12", "NV16", "YU12", "BGR3", "RGB3", "XR24"):
+        for pixels in ("YUYV", "UYVY", "NV12", "NV16", "YU12", "BGR3", "RGB3", "XR24", "GREY"):
             right = [line for line in lines if line.startswith("ok ") and f" {size} {pixels}:" in line]
             expect(right, f"{size} {pixels} is not captured right:\n" + "\n".join(lines))
 
@@ -123,6 +159,8 @@ FIRST = [
 LAST = [
     the_watchdog_restarts_a_stopped_daemon,
     an_upgrade_keeps_everything,
+    the_graphics_processor_shows_the_same,
+    a_crash_gives_the_console_back,
     a_stop_gives_the_console_back,
     every_format_of_the_card_is_captured_right,
     removal_leaves_nothing_broken,

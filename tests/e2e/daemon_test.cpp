@@ -147,7 +147,7 @@ TEST_F(DaemonRun, AnArProcessThatCannotStartIsTriedAgainEverLater) {
 }
 
 TEST_F(DaemonRun, AnswersOnTheControlSocket) {
-  start({"--set", "capture.loop=true"});
+  start({"--set", "capture.loop=true", "--set", "recon.period_s=0"});
   waitFor([](const auto& s) { return s["ar_alive"] && s["frames_shown"] > 1; });
   const ProgramResult status = runProgram({"depthscope", "status", "--socket", socket_});
   EXPECT_EQ(status.status, 0) << status.err;

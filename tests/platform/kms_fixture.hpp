@@ -1,6 +1,8 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <cstdio>
+
 #include "platform/display/kms/kms_display.hpp"
 #include "tests/fake_kernel/fake_kms_card.hpp"
 
@@ -58,6 +60,42 @@ class KmsDisplayTest : public ::testing::Test {
     EXPECT_EQ(card->framebuffers(), 0u);
     EXPECT_EQ(card->blobs(), 0u);
     EXPECT_TRUE(card->consoleShown());
+  }
+
+  /// Every call of `session` in turn goes wrong, once or until further notice: the display never
+  /// throws, hangs or leaks, and the picture is back within 500 ms of the fault's end. `make` makes
+  /// the display, `show` is a turn with a picture of one colour, `look` looks at it afterwards.
+  template <class Make, class Session, class Show, class Look>
+  void expectFaultsSurvived(Make make, Session session, Show show, Look look) {
+    using std::chrono::milliseconds;
+    make();
+    const auto start = kernel.calls();
+    session();
+    const auto calls = kernel.calls() - start;
+    display.reset();
+    expectClean();
+    int injected = 0;
+    for (const int error : {EIO, ENODEV, EAGAIN, EINTR, EINVAL, EBUSY, EACCES})
+      for (const bool forever : {false, true})
+        for (std::uint64_t k = 1; k <= calls; ++k) {
+          SCOPED_TRACE(testing::Message() << "call " << k << " errno " << error << " " << forever);
+          make();
+          kernel.inject({.call = kernel.calls() + k, .forever = forever, .error = error});
+          session();
+          ++injected;
+          kernel.inject({});
+          const auto lifted = kernel.now();
+          const std::uint32_t color = 0x700000 + static_cast<std::uint32_t>(k);
+          while (card->pixel(40, 30) != color && kernel.now() < lifted + milliseconds(600))
+            show(color);
+          ASSERT_EQ(card->pixel(40, 30), color);
+          ASSERT_LE(kernel.now() - lifted, milliseconds(500));
+          look();
+          display.reset();
+          expectClean();
+          if (HasFailure()) return;
+        }
+    std::printf("faults injected and survived: %d\n", injected);
   }
 
   fake::FakeKernel kernel;

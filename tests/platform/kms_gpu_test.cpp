@@ -195,33 +195,8 @@ TEST_F(KmsGpuTest, SurvivesAFaultOfAnyCall) {
     turn(3);
     gpuTurn(4, 1);
   };
-  make();
-  const auto start = kernel.calls();
-  session();
-  const auto calls = kernel.calls() - start;
-  display.reset();
-  expectClean();
-  int injected = 0;
-  for (const int error : {EIO, ENODEV, EAGAIN, EINTR, EINVAL, EBUSY, EACCES})
-    for (const bool forever : {false, true})
-      for (std::uint64_t k = 1; k <= calls; ++k) {
-        SCOPED_TRACE(testing::Message() << "call " << k << " errno " << error << " " << forever);
-        make();
-        kernel.inject({.call = kernel.calls() + k, .forever = forever, .error = error});
-        session();
-        ++injected;
-        kernel.inject({});
-        const auto lifted = kernel.now();
-        const std::uint32_t color = 0x700000 + static_cast<std::uint32_t>(k);
-        while (card->pixel(40, 30) != color && kernel.now() < lifted + milliseconds(600))
-          gpuTurn(color, 1);
-        ASSERT_EQ(card->pixel(40, 30), color);
-        ASSERT_LE(kernel.now() - lifted, milliseconds(500));
-        display.reset();
-        expectClean();
-        if (HasFailure()) return;
-      }
-  std::printf("faults injected and survived: %d\n", injected);
+  expectFaultsSurvived([&] { make(); }, session, [&](std::uint32_t color) { gpuTurn(color, 1); },
+                       [] {});
 }
 
 }  // namespace

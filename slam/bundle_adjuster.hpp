@@ -56,6 +56,9 @@ class BundleAdjuster {
   int addPoint(const Eigen::Vector3d& point_world);
   /// Precondition: pose and point have been added; at most one observation for a pair of them.
   int addObservation(const BaObservation& observation);
+  int freeObservations() const {
+    return static_cast<int>(observations_.capacity() - observations_.size());
+  }
 
   /// Adjusts what was added in place and sets `inlier` of every observation. `stop`, if given, is
   /// looked at before each iteration: what has been gained until then is kept.

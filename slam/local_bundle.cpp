@@ -5,11 +5,8 @@
 
 namespace depthscope::slam {
 
-LocalBundle::LocalBundle(const SlamSettings& settings, Map& map)
-    : map_(map),
-      max_fixed_(settings.mapper.window_fixed),
-      adjuster_(settings.mapper.window_keyframes + settings.mapper.window_fixed + 1,
-                settings.capacity.local_points, settings.capacity.local_points * 12) {
+LocalBundle::LocalBundle(const SlamSettings& settings, Map& map, BundleAdjuster& adjuster)
+    : map_(map), max_fixed_(settings.mapper.window_fixed), adjuster_(adjuster) {
   const int keyframes = settings.capacity.keyframes;
   pose_index_.resize(keyframes);
   shared_.resize(keyframes);

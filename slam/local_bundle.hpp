@@ -12,13 +12,12 @@ namespace depthscope::slam {
 /// other keyframes that see these points hold still (Mur-Artal et al. 2015, section VI.D).
 class LocalBundle {
  public:
-  LocalBundle(const SlamSettings& settings, Map& map);
+  LocalBundle(const SlamSettings& settings, Map& map, BundleAdjuster& adjuster);
 
   /// Adjusts `window`. Observations found to be outliers are removed. Reads the map without, writes
   /// it with its mutex; stops early when `stop` becomes true.
   BaSummary adjust(std::span<const KeyframeId> window, int iterations,
                    const std::atomic<bool>* stop);
-  std::size_t bytes() const { return adjuster_.bytes(); }
 
  private:
   void gather(std::span<const KeyframeId> window);
@@ -29,7 +28,7 @@ class LocalBundle {
 
   Map& map_;
   int max_fixed_;
-  BundleAdjuster adjuster_;
+  BundleAdjuster& adjuster_;           // big enough for the window and what is held fixed around it
   std::vector<int> pose_index_;        // per keyframe, kNone: not in the problem
   std::vector<int> shared_;            // per keyframe: observations of the gathered points
   std::vector<KeyframeId> keyframes_;  // per pose of the problem

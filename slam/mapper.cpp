@@ -15,10 +15,15 @@ Mapper::Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map
       mode_(mode),
       creator_(settings, map),
       fuser_(settings, map),
-      bundle_(settings, map),
+      adjuster_(std::max(settings.capacity.keyframes,
+                         settings.mapper.window_keyframes + settings.mapper.window_fixed + 1),
+                settings.capacity.local_points, settings.capacity.local_points * 12),
+      bundle_(settings, map, adjuster_),
+      global_bundle_(settings, map, adjuster_),
       culler_(settings, map, trajectory),
       recognizer_(settings, map, database),
-      merger_(map, fuser_) {
+      merger_(map, fuser_),
+      loop_closer_(settings, map, merger_) {
   const int features = settings.extractor.features;
   recent_.reserve(settings.capacity.map_points);
   votes_.resize(settings.capacity.keyframes);
@@ -45,7 +50,7 @@ Mapper::~Mapper() {
 
 bool Mapper::idle() const {
   const std::lock_guard lock(queue_mutex_);
-  return !has_waiting_ && !busy_;
+  return !has_waiting_ && (!busy_ || interruptible_);
 }
 
 bool Mapper::submit(const FeatureSet& features, std::span<const PointRef> points,
@@ -85,7 +90,12 @@ void Mapper::run() {
     process(current_);
     {
       const std::lock_guard lock(queue_mutex_);
-      busy_ = false;
+      interruptible_ = true;
+    }
+    adjustWholeMap();
+    {
+      const std::lock_guard lock(queue_mutex_);
+      busy_ = interruptible_ = false;
     }
     queue_changed_.notify_all();
   }
@@ -128,6 +138,7 @@ void Mapper::process(const KeyframeRequest& request) {
   adjustAround(id);
   culler_.cullKeyframes(bestNeighbours(id, 2 * settings_.mapper.window_keyframes));
   recognizePlace(id);
+  if (mode_ == MappingMode::Lockstep) adjustWholeMap();
   map_ms_ =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
@@ -141,14 +152,30 @@ void Mapper::adjustAround(KeyframeId id) {
 }
 
 void Mapper::recognizePlace(KeyframeId id) {
-  constexpr int kFusedAround = 6;
+  constexpr int kFusedAround = 6, kSteps = 10;
   const auto link = recognizer_.recognize(id);
   if (!link) return;
   const auto neighbours = bestNeighbours(id, kFusedAround);
   around_.assign(neighbours.begin(), neighbours.end());
-  if (map_.keyframe(link->now).map_id == map_.keyframe(link->before).map_id) return;
-  merger_.merge(*link, recognizer_.pairs(), recognizer_.window(), around_);
+  if (map_.keyframe(link->now).map_id != map_.keyframe(link->before).map_id) {
+    merger_.merge(*link, recognizer_.pairs(), recognizer_.window(), around_);
+  } else if (loop_closer_.close(*link, recognizer_.pairs(), recognizer_.window(), around_)) {
+    ++loops_closed_;
+  } else {
+    return;
+  }
   adjustAround(id);
+  unadjusted_map_ = map_.keyframe(id).map_id;
+  steps_left_ = kSteps;
+}
+
+/// In the background when threaded: a new keyframe interrupts it, and what is left is done after
+/// that.
+void Mapper::adjustWholeMap() {
+  if (steps_left_ == 0) return;
+  const BaSummary summary = global_bundle_.adjust(
+      unadjusted_map_, steps_left_, mode_ == MappingMode::Threaded ? &interrupt_ : nullptr);
+  steps_left_ = summary.end == BaSummary::End::Stopped ? steps_left_ - summary.iterations : 0;
 }
 
 KeyframeId Mapper::insert(const KeyframeRequest& request) {

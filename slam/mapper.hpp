@@ -6,10 +6,11 @@
 #include <thread>
 #include <vector>
 
+#include "slam/global_bundle.hpp"
 #include "slam/keyframe_database.hpp"
 #include "slam/local_bundle.hpp"
+#include "slam/loop_closer.hpp"
 #include "slam/map_culler.hpp"
-#include "slam/map_merger.hpp"
 #include "slam/place_recognizer.hpp"
 #include "slam/point_creator.hpp"
 #include "slam/point_fuser.hpp"
@@ -36,7 +37,8 @@ class Mapper {
          KeyframeDatabase& database, Trajectory& trajectory, MappingMode mode);
   ~Mapper();
 
-  /// True if a keyframe would be taken on at once.
+  /// True if a keyframe would be taken on at once, or as soon as an adjustment of the whole map has
+  /// finished its step.
   bool idle() const;
   /// Hands over a keyframe, its pose in the world as `correction` (Map::correction) left it.
   /// Threaded: false when one is waiting already; a bundle adjustment in progress is cut short.
@@ -52,13 +54,15 @@ class Mapper {
   void drain();
   /// Time the last keyframe took [ms], once each; negative when there was none since the last call.
   double takeMapMs();
-  std::size_t bytes() const { return bundle_.bytes(); }
+  int loopsClosed() const { return loops_closed_; }
+  std::size_t bytes() const { return adjuster_.bytes() + loop_closer_.bytes(); }
 
  private:
   void run();
   void process(const KeyframeRequest& request);
   void adjustAround(KeyframeId id);
   void recognizePlace(KeyframeId id);
+  void adjustWholeMap();
   KeyframeId insert(const KeyframeRequest& request);
   std::span<const KeyframeId> bestNeighbours(KeyframeId id, int count);
 
@@ -68,10 +72,16 @@ class Mapper {
   MappingMode mode_;
   PointCreator creator_;
   PointFuser fuser_;
+  BundleAdjuster adjuster_;
   LocalBundle bundle_;
+  GlobalBundle global_bundle_;
   MapCuller culler_;
   PlaceRecognizer recognizer_;
   MapMerger merger_;
+  LoopCloser loop_closer_;
+  std::uint32_t unadjusted_map_ = 0;  // that is to be adjusted as a whole
+  int steps_left_ = 0;                // of that
+  std::atomic<int> loops_closed_ = 0;
   std::vector<PointRef> recent_;
   std::vector<int> votes_;
   std::vector<KeyframeId> neighbours_, window_, around_;
@@ -80,6 +90,7 @@ class Mapper {
   std::condition_variable queue_changed_;
   KeyframeRequest waiting_, current_;
   bool has_waiting_ = false, busy_ = false, quit_ = false;
+  bool interruptible_ = false;           // what keeps it busy: the adjustment of the whole map
   std::atomic<bool> interrupt_ = false;  // stop adjusting: something newer waits
   std::atomic<double> map_ms_ = -1;
   std::thread thread_;

@@ -69,6 +69,7 @@ SlamStatistics SlamSystem::statistics() const {
   s.maps = impl_->map.mapCount();
   s.lost_events = impl_->tracker.lostEvents();
   s.relocalizations = impl_->tracker.relocalizations();
+  s.loops_closed = impl_->mapper.loopsClosed();
   s.map_bytes = impl_->map.bytes() + impl_->database.bytes() + impl_->mapper.bytes();
   return s;
 }

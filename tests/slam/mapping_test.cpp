@@ -91,7 +91,8 @@ TEST(LocalBundle, BringsADisturbedMapBack) {
   for (const KeyframeId k : window)
     m.map.keyframe(k).T_camera_world =
         m.map.keyframe(k).T_camera_world.retract(shake(0.01), shake(0.01));
-  LocalBundle bundle(smallSettings(), m.map);
+  BundleAdjuster adjuster(12, 1000, 12000);
+  LocalBundle bundle(smallSettings(), m.map, adjuster);
   bundle.adjust(window, 30, nullptr);
   EXPECT_LT(largestError(m, world, m.keyframes[3]),
             2e-3);  // features are stored in single precision
@@ -106,7 +107,8 @@ TEST(LocalBundle, DropsAWrongObservationAndKeepsThePoint) {
   const Observation wrong = m.map.observations(p)[4];
   m.map.keyframe(wrong.keyframe).features.keypoints[wrong.feature].ux += 25;
   const std::size_t before = m.map.observations(p).size();
-  LocalBundle bundle(smallSettings(), m.map);
+  BundleAdjuster adjuster(12, 1000, 12000);
+  LocalBundle bundle(smallSettings(), m.map, adjuster);
   bundle.adjust(std::vector<KeyframeId>(m.keyframes.begin() + 2, m.keyframes.end()), 10, nullptr);
   EXPECT_EQ(m.map.observations(p).size(), before - 1);
   EXPECT_FALSE(m.map.isObservedBy(p, wrong.keyframe));

@@ -1,0 +1,45 @@
+#pragma once
+#include <atomic>
+#include <span>
+#include <vector>
+
+#include "slam/bundle_adjuster.hpp"
+#include "slam/map.hpp"
+
+namespace depthscope::slam {
+
+/// Bundle adjustment of a whole connected map (Mur-Artal et al. 2015, section VII): all keyframes
+/// but the two oldest move, with a bounded number of points, the best observed ones of every
+/// keyframe; the other points go along with the keyframe that saw them first.
+class GlobalBundle {
+ public:
+  /// Works in the memory of an adjuster that it shares with the local adjustment.
+  GlobalBundle(const SlamSettings& settings, Map& map, BundleAdjuster& adjuster);
+
+  /// Takes up to `iterations` steps. Reads the map without its mutexes, writes it with them. Stops
+  /// early when `stop` becomes true, and keeps what has been gained; observations found to be
+  /// outliers are removed only when it has not been stopped.
+  BaSummary adjust(std::uint32_t map_id, int iterations, const std::atomic<bool>* stop);
+
+ private:
+  void gather(std::uint32_t map_id);
+  void choosePoints();
+  bool choosePointsOf(KeyframeId keyframe, int quota);
+  bool choose(PointId point);
+  void fixOldest();
+  void findMotions();
+  void writeBack(std::uint32_t map_id, bool remove_outliers);
+  int newest() const;
+
+  Map& map_;
+  BundleAdjuster& adjuster_;
+  std::vector<KeyframeId> keyframes_;          // per pose of the problem
+  std::vector<int> pose_index_;                // per keyframe
+  std::vector<PointId> points_;                // per point of the problem
+  std::vector<std::uint8_t> chosen_;           // per map point
+  std::vector<PointId> ranked_;                // of one keyframe, the best observed first
+  std::vector<Sim3> T_new_old_;                // per pose of the problem
+  std::vector<double> depth_old_, depth_new_;  // per pose of the problem, summed over its points
+};
+
+}  // namespace depthscope::slam

@@ -14,7 +14,8 @@ constexpr int kOtherObservers = 3;       // that make an observation redundant
 
 MapCuller::MapCuller(const SlamSettings& settings, Map& map, Trajectory& trajectory)
     : settings_(settings.mapper),
-      points_needed_(2 * settings.extractor.features),
+      // For what two new keyframes may add, where the capacity allows of so much.
+      points_needed_(std::min(2 * settings.extractor.features, settings.capacity.map_points / 4)),
       map_(map),
       trajectory_(trajectory) {
   votes_.resize(settings.capacity.keyframes);

@@ -23,6 +23,8 @@ MapInitializer::MapInitializer(const SlamSettings& settings, const CameraModel& 
   matched_.reserve(settings.extractor.features);
   first_.reserve(settings.extractor.features);
   second_.reserve(settings.extractor.features);
+  result_.points.reserve(settings.extractor.features);
+  result_.triangulated.reserve(settings.extractor.features);
 }
 
 void MapInitializer::setReference(const FeatureSet& features, std::int64_t frame,

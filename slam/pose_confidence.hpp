@@ -29,12 +29,34 @@ inline float inlierSpread(const TrackedFrame& frame, const CameraModel& camera) 
   return textured == 0 ? 0.f : static_cast<float>(covered) / static_cast<float>(textured);
 }
 
+/// How far off [px] what is drawn on the scene may lie: standard deviation, root mean square over
+/// the picture, of where points at `depth` appear under the pose's covariance; 0 where no depth is
+/// known.
+inline double pictureSigma_px(const Matrix6d& covariance, double depth, const CameraModel& camera) {
+  if (!(depth > 0)) return 0;
+  const Intrinsics intrinsics{camera.fx, camera.fy, camera.cx, camera.cy};
+  constexpr int kGrid = 3;
+  double variance = 0;
+  for (int row = 0; row < kGrid; ++row)
+    for (int column = 0; column < kGrid; ++column) {
+      const Eigen::Vector2d px((column + 0.5) * camera.width / kGrid,
+                               (row + 0.5) * camera.height / kGrid);
+      const Eigen::Vector3d p = depth * intrinsics.normalize(px).homogeneous();
+      const Eigen::Matrix<double, 2, 6> J = poseJacobian(intrinsics, p);
+      variance += (J * covariance * J.transpose()).trace();
+    }
+  return std::sqrt(variance / (kGrid * kGrid));
+}
+
 /// Trust in the pose of a tracked frame, 0..1: whether there are inliers enough, times their
-/// spread.
+/// spread, less where an overlay may lie more than a pixel off.
 inline float poseConfidence(const TrackedFrame& frame, int inliers, int comfortable_inliers,
                             const CameraModel& camera) {
+  constexpr double kGoodSigma_px = 1;
+  const double sigma_px = pictureSigma_px(frame.covariance, frame.depth, camera);
   return inlierSpread(frame, camera) *
-         std::min(1.f, static_cast<float>(inliers) / static_cast<float>(comfortable_inliers));
+         std::min(1.f, static_cast<float>(inliers) / static_cast<float>(comfortable_inliers)) *
+         static_cast<float>(std::min(1.0, kGoodSigma_px / std::max(sigma_px, 1e-6)));
 }
 
 }  // namespace depthscope::slam

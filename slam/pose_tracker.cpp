@@ -152,6 +152,11 @@ int PoseTracker::optimize(TrackedFrame& frame) {
   }
   const PoseOptimizerResult result = optimizePose(intrinsics_, observations_, frame.T_camera_world);
   if (!result.ok) return 0;
+  // Two residuals a point, which the optimizer takes to be of unit variance.
+  frame.covariance = result.covariance * (result.rms_px * result.rms_px / 2);
+  frame.depth = 0;
+  for (const PoseObservation& o : observations_)
+    if (o.inlier) frame.depth += (frame.T_camera_world * o.point_world).z() / result.inliers;
   for (std::size_t i = 0; i < observations_.size(); ++i)
     if (!observations_[i].inlier) frame.points[feature_of_observation_[i]] = {};
   return result.inliers;

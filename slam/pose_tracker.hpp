@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,10 @@ struct TrackedFrame {
   std::int64_t frame = -1;
   double timestamp_s = 0;
   bool tracked = false;
+  int inliers = 0;  // points, when it was tracked
+  // Of the pose, in (w, v) of Pose::retract [rad, map units], from how well its points agree.
+  Matrix6d covariance = Matrix6d::Zero();
+  double depth = 0;  // mean, of its points [map units]
 };
 
 /// Finds the pose of a frame from map points recognised in it, in the ways a tracker needs
@@ -41,6 +46,12 @@ class PoseTracker {
   /// The keyframe that shares most points with the frame trackLocalMap() was called for; kNone when
   /// none does.
   KeyframeId reference() const { return local_map_.reference(); }
+  /// How many features the last trackLocalMap() might have found: as many as there are, and as
+  /// there were points expected in the picture. Of points looked for in a wrong place a few percent
+  /// are found by chance.
+  int findable(const TrackedFrame& frame) const {
+    return std::min(frame.features.size(), static_cast<int>(visible_.size()));
+  }
   /// Collects the local map of a frame afresh, for reference(). Map mutex held.
   void collectLocalMap(const TrackedFrame& frame) { local_map_.collect(map_, frame.points); }
 

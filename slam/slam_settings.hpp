@@ -50,9 +50,15 @@ struct TrackerSettings {
   int min_motion_inliers = 10;       // fewer from the last frame: try the reference keyframe
   int min_inliers = 30;              // fewer in the local map: lost
   int min_inliers_relocalized = 50;  // fewer after relocalization: not found
-  double new_map_after_s = 1.0;      // lost for this long, a new map is begun if one can be
-  int local_keyframes = 40;          // that a frame's local map is made from
-  double keyframe_ratio = 0.9;       // of the reference keyframe's points tracked: below, a new one
+  // Of the points of the last frame, the share found again: a few percent match by chance where the
+  // pose is wrong (after a cut, in heavy blur), a third and more where it is right.
+  double min_found_again = 0.1;
+  // The same of all points expected in the picture, or of its features where they are fewer: 3 to
+  // 8 % by chance, mostly above 10 % where the pose is right.
+  double min_found = 0.05;
+  double new_map_after_s = 1.0;  // lost for this long, a new map is begun if one can be
+  int local_keyframes = 40;      // that a frame's local map is made from
+  double keyframe_ratio = 0.9;   // of the reference keyframe's points tracked: below, a new one
 };
 
 /// Mapping (slam/mapper).

@@ -10,8 +10,9 @@
 namespace depthscope::slam {
 
 namespace {
-constexpr int kMinFeaturesOfAPicture = 100;  // fewer: dark, fogged or covered
-}
+constexpr int kYoungMapKeyframes = 5;     // a map this small is quicker made anew than found again
+constexpr double kYoungMapWaits_s = 0.1;  // but a blurred picture or two do not end it
+}  // namespace
 
 Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& map,
                  const KeyframeDatabase& database, Mapper& mapper, Trajectory& trajectory)
@@ -22,8 +23,8 @@ Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& m
       trajectory_(trajectory),
       extractor_(settings.extractor, camera),
       initializer_(settings, camera),
-      relocalizer_(settings, camera, database),
       pose_tracker_(camera, settings, map),
+      recovery_(camera, settings, map, database, pose_tracker_),
       current_(settings.extractor.features, camera),
       last_(settings.extractor.features, camera) {}
 
@@ -42,14 +43,10 @@ PoseEstimate Tracker::track(const GrayView& image, std::int64_t frame, double ti
         handleLoss();
       break;
     case TrackingState::Lost:
-      if (relocalize()) {
-        ++relocalizations_;
-        state_ = TrackingState::Tracking;
-        finishTracked();
-        offerKeyframe();
-      } else if (!in_doubt_ && wantsNewMap() && initialize()) {
-        state_ = TrackingState::Tracking;
-      }
+      if (recovery_.recover(last_, current_))
+        resume();
+      else if (!recovery_.inDoubt())
+        startAnew();
       break;
   }
   return report();
@@ -89,6 +86,8 @@ bool Tracker::initialize() {
   }
   current_.T_camera_world = k.T_camera_world;
   current_.tracked = true;
+  current_.inliers = inliers_;
+  current_.depth = 0;
   has_motion_ = false;
   made_keyframe_ = true;
   recordTrajectory();
@@ -121,64 +120,48 @@ bool Tracker::trackFromLastFrame() {
     current_.T_camera_world = last_.T_camera_world;
     found = reference_ == kNone ? 0 : pose_tracker_.trackKeyframe(reference_, current_);
   }
-  if (found < settings_.min_motion_inliers) return false;
+  if (found < settings_.min_motion_inliers || found < settings_.min_found_again * last_.inliers)
+    return false;
   inliers_ = pose_tracker_.trackLocalMap(current_);
-  return inliers_ >= settings_.min_inliers;
-}
-
-bool Tracker::relocalize() {
-  // What was found in the last frame and left in doubt must hold in this one.
-  const bool confirmed =
-      in_doubt_ && trackFromLastFrame() && inliers_ >= settings_.min_inliers_relocalized;
-  in_doubt_ = false;
-  if (!confirmed) {
-    if (!findPlace()) return false;
-    constexpr float kMinSpread = 0.3f, kSureSpread = 0.5f;
-    const float spread = inlierSpread(current_, camera_);
-    if (inliers_ < settings_.min_inliers_relocalized || spread < kMinSpread) return false;
-    in_doubt_ = inliers_ < 2 * settings_.min_inliers_relocalized || spread < kSureSpread;
-    reference_ = pose_tracker_.reference();
-    if (in_doubt_) return false;
-  }
-  const std::lock_guard lock(map_.mutex);
-  map_.activate(map_.keyframe(pose_tracker_.reference()).map_id);
-  return true;
-}
-
-bool Tracker::findPlace() {
-  constexpr double kWideSearch = 4;
-  {
-    const std::lock_guard lock(map_.mutex);
-    if (!relocalizer_.relocalize(map_, current_.features, current_.T_camera_world, current_.points))
-      return false;
-  }
-  // First in wide windows, as the pose rests on few points; then as strictly as ever.
-  if (pose_tracker_.trackLocalMap(current_, kWideSearch) < settings_.min_inliers) return false;
-  inliers_ = pose_tracker_.trackLocalMap(current_);
-  return true;
-}
-
-bool Tracker::wantsNewMap() {
-  // A scope that is withdrawn, wiped or covered sees nothing to start a map from: its time begins
-  // when there is a picture again.
-  if (current_.features.size() < kMinFeaturesOfAPicture) lost_since_s_ = current_.timestamp_s;
-  return current_.timestamp_s - lost_since_s_ >= settings_.new_map_after_s;
+  return inliers_ >= settings_.min_inliers &&
+         inliers_ >= settings_.min_found * pose_tracker_.findable(current_);
 }
 
 void Tracker::handleLoss() {
-  constexpr int kYoungMapKeyframes = 5;  // a map this small is quicker made anew than found again
   ++lost_events_;
-  has_motion_ = in_doubt_ = false;
-  lost_since_s_ = current_.timestamp_s;
+  recovery_.begin(last_, has_motion_ ? &T_current_last_ : nullptr, current_.timestamp_s);
+  has_motion_ = false;
   initializer_.reset();
-  relocalizer_.restart();
   mapper_.drain();
-  const std::lock_guard lock(map_.mutex);
-  if (map_.keyframesOf(map_.activeId()) <= kYoungMapKeyframes) {
-    trajectory_.dropMap(map_, map_.activeId());
-    map_.removeMap(map_.activeId());
+  state_ = TrackingState::Lost;
+}
+
+void Tracker::resume() {
+  ++relocalizations_;
+  state_ = TrackingState::Tracking;
+  inliers_ = recovery_.inliers();
+  {
+    const std::lock_guard lock(map_.mutex);
+    map_.activate(map_.keyframe(pose_tracker_.reference()).map_id);
   }
-  state_ = map_.keyframeCount() > 0 ? TrackingState::Lost : TrackingState::Initializing;
+  finishTracked();
+  offerKeyframe();
+}
+
+/// Looks for a new map when the old one has been lost long enough.
+void Tracker::startAnew() {
+  const double lost_s = recovery_.lostFor_s(current_.timestamp_s);
+  if (lost_s > kYoungMapWaits_s) {
+    const std::lock_guard lock(map_.mutex);
+    if (map_.keyframesOf(map_.activeId()) <= kYoungMapKeyframes) {
+      trajectory_.dropMap(map_, map_.activeId());
+      map_.removeMap(map_.activeId());
+    }
+    if (map_.keyframeCount() == 0) state_ = TrackingState::Initializing;
+  }
+  if ((state_ == TrackingState::Initializing || lost_s >= settings_.new_map_after_s) &&
+      initialize())
+    state_ = TrackingState::Tracking;
 }
 
 void Tracker::reset() {
@@ -194,6 +177,7 @@ void Tracker::reset() {
 
 void Tracker::finishTracked() {
   current_.tracked = true;
+  current_.inliers = inliers_;
   has_motion_ = last_.tracked;
   if (has_motion_) T_current_last_ = current_.T_camera_world * last_.T_camera_world.inverse();
   const std::lock_guard lock(map_.mutex);

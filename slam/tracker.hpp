@@ -3,7 +3,7 @@
 #include "slam/mapper.hpp"
 #include "slam/orb_extractor.hpp"
 #include "slam/pose_tracker.hpp"
-#include "slam/relocalizer.hpp"
+#include "slam/recovery.hpp"
 #include "types/tracking.hpp"
 
 namespace depthscope::slam {
@@ -30,10 +30,9 @@ class Tracker {
   void beginFrame(const GrayView& image, std::int64_t frame, double timestamp_s);
   bool initialize();
   bool trackFromLastFrame();
-  bool relocalize();
-  bool findPlace();
-  bool wantsNewMap();
   void handleLoss();
+  void resume();
+  void startAnew();
   bool follow();
   void followCorrections();
   void finishTracked();
@@ -49,15 +48,13 @@ class Tracker {
   Trajectory& trajectory_;
   OrbExtractor extractor_;
   MapInitializer initializer_;
-  Relocalizer relocalizer_;
   PoseTracker pose_tracker_;
+  Recovery recovery_;
 
   TrackedFrame current_, last_;
   Pose T_current_last_;  // of the last two frames tracked: the motion model
   bool has_motion_ = false;
-  bool in_doubt_ = false;  // the last frame was found again, but on few points: not reported yet
   TrackingState state_ = TrackingState::Initializing;
-  double lost_since_s_ = 0;
   Sim3 correction_seen_;  // of the map's, applied to current_
   int corrections_seen_ = 0;
   KeyframeId reference_ = kNone;  // the keyframe that shares most points with the current frame

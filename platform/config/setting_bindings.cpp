@@ -123,6 +123,10 @@ void bindSlam(Binder& b, slam::SlamSettings& s) {
   b.number("min_inliers", s.tracker.min_inliers, 3, 10000, "fewer in the local map: lost");
   b.number("min_inliers_relocalized", s.tracker.min_inliers_relocalized, 3, 10000,
            "needed to be found again");
+  b.number("min_found_again", s.tracker.min_found_again, 0, 1,
+           "share of the last frame's points; less: lost");
+  b.number("min_found", s.tracker.min_found, 0, 1,
+           "share of the points expected in the picture; less in the local map: lost");
   b.number("local_keyframes", s.tracker.local_keyframes, 1, 1000,
            "that a frame's local map is made from");
   b.number("keyframe_ratio", s.tracker.keyframe_ratio, 0, 1,

@@ -1,11 +1,11 @@
 #include "platform/replay/run_record.hpp"
 
-#include <sys/resource.h>
-
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
 
 #include "platform/allocation_hook.hpp"
 
@@ -22,10 +22,13 @@ Json stageJson(const Histogram& h) {
           {"max", h.max()}};
 }
 
+/// The kernel's high-water mark of this program alone; 0 where it tells none. (That of getrusage
+/// goes on from what the process was before it became this program: a script, say.)
 double peakResidentMb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return std::strtod(line.c_str() + 6, nullptr) / 1024.0;
+  return 0;
 }
 
 /// One line of TUM format; fixed digits, so that equal poses give equal bytes.

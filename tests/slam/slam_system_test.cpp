@@ -16,8 +16,8 @@ using namespace testing;
 /// A textured plane at z = 1 (world), tilted a little, as a camera sees it.
 class PlaneWorld {
  public:
-  PlaneWorld() {
-    cv::RNG rng(4);
+  explicit PlaneWorld(int seed = 4) {
+    cv::RNG rng(static_cast<std::uint64_t>(seed));
     cv::Mat noise(220, 220, CV_8U);
     rng.fill(noise, cv::RNG::UNIFORM, 30, 220);
     cv::resize(noise, texture_, {1800, 1800}, 0, 0, cv::INTER_CUBIC);
@@ -147,6 +147,36 @@ TEST(SlamSystem, IsLostInTheDarkAndFindsItsPlaceAgain) {
   EXPECT_EQ(slam.statistics().maps, 1);
 }
 
+TEST(SlamSystem, GoesOnAfterAFewBlurredPictures) {
+  const PlaneWorld world;
+  SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);
+  run(slam, world, 0, 40);
+  for (int i = 40; i < 44; ++i) {
+    cv::Mat blurred;
+    cv::blur(world.view(poseAt(i)), blurred, {61, 61});
+    EXPECT_EQ(slam.track(viewOf(blurred), i, i / 30.0).state, TrackingState::Lost);
+  }
+  const auto after = run(slam, world, 44, 60);
+  EXPECT_EQ(after.front().state, TrackingState::Tracking);
+  EXPECT_EQ(after.back().state, TrackingState::Tracking);
+  EXPECT_EQ(slam.statistics().lost_events, 1);
+  EXPECT_EQ(slam.statistics().relocalizations, 1);
+  EXPECT_EQ(slam.statistics().maps, 1);
+}
+
+TEST(SlamSystem, DoesNotMistakeAnotherPlaceForTheOneItKnows) {
+  const PlaneWorld world, elsewhere(9);
+  SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);
+  run(slam, world, 0, 50);
+  const std::uint32_t known = slam.track(viewOf(world.view(poseAt(50))), 50, 50 / 30.0).map_id;
+  for (int i = 51; i < 100; ++i) {
+    const cv::Mat image = elsewhere.view(poseAt(i));
+    const PoseEstimate e = slam.track(viewOf(image), i, i / 30.0);
+    EXPECT_FALSE(e.state == TrackingState::Tracking && e.map_id == known) << i;
+  }
+  EXPECT_EQ(slam.statistics().relocalizations, 0);
+}
+
 TEST(SlamSystem, TheSamePicturesGiveTheSameBits) {
   const PlaneWorld world;
   SlamSystem a(testCameraModel(), testSettings(), MappingMode::Lockstep);
@@ -172,9 +202,12 @@ TEST(SlamSystem, StaysWithinItsCapacityAndKeepsTracking) {
 TEST(SlamSystem, AllocatesNothingOnceItIsBuilt) {
   const PlaneWorld world;
   SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);
-  run(slam, world, 0, 10);
   takeAllocationCount();
-  run(slam, world, 10, 60);
+  run(slam, world, 0, 60);
+  run(slam, PlaneWorld(9), 60, 110);  // lost, sought for in vain, a second map
+  run(slam, world, 50, 55);           // relocalized in the first
+  EXPECT_GT(slam.statistics().lost_events, 0);
+  EXPECT_GT(slam.statistics().relocalizations, 0);
   EXPECT_EQ(takeAllocationCount(), 0);
 }
 
@@ -211,8 +244,8 @@ TEST(SlamSystem, TellsWhichFramesAreKeyframesAndWhatTheySee) {
   for (const Sighting& s : cloud.sightings) {
     ASSERT_LT(s.keyframe, cloud.keyframe_frames.size());
     ++sightings.at(s.point);
-    const Eigen::Vector3d seen = cloud.keyframes_T_camera_world[s.keyframe] *
-                                 cloud.points[s.point].position.cast<double>();
+    const Eigen::Vector3d seen =
+        cloud.keyframes_T_camera_world[s.keyframe] * cloud.points[s.point].position.cast<double>();
     EXPECT_GT(seen.z(), 0);
   }
   for (std::size_t i = 0; i < sightings.size(); ++i)

@@ -1,0 +1,100 @@
+#include "slam/recovery.hpp"
+
+#include <algorithm>
+#include <mutex>
+
+#include "slam/pose_confidence.hpp"
+
+namespace depthscope::slam {
+
+namespace {
+constexpr int kMinFeaturesOfAPicture = 100;  // fewer: dark, fogged or covered
+constexpr double kMotionHolds_s = 0.2;       // so long a hand may go on as it went
+constexpr double kNear_s = 0.35;             // so long it is near where it was
+constexpr double kFoundAgain = 0.2;          // of the points of the last frame tracked
+constexpr float kMinSpread = 0.3f, kSureSpread = 0.5f;
+}  // namespace
+
+Recovery::Recovery(const CameraModel& camera, const SlamSettings& settings, Map& map,
+                   const KeyframeDatabase& database, PoseTracker& pose_tracker)
+    : settings_(settings.tracker),
+      camera_(camera),
+      map_(map),
+      pose_tracker_(pose_tracker),
+      relocalizer_(settings, camera, database),
+      anchor_(settings.extractor.features, camera) {}
+
+void Recovery::begin(TrackedFrame& last, const Pose* T_current_last, double now_s) {
+  std::swap(last, anchor_);
+  last.tracked = false;
+  predicts_ = T_current_last != nullptr;
+  if (predicts_) {
+    T_current_last_ = *T_current_last;
+    T_predicted_ = T_current_last_ * anchor_.T_camera_world;
+  }
+  failed_at_s_ = lost_since_s_ = now_s;
+  in_doubt_ = false;
+  relocalizer_.restart();
+}
+
+bool Recovery::recover(const TrackedFrame& last, TrackedFrame& frame) {
+  // A scope that is withdrawn, wiped or covered shows nothing to go by: its time begins when there
+  // is a picture again.
+  if (predicts_) T_predicted_ = T_current_last_ * T_predicted_;
+  inliers_ = 0;
+  if (frame.features.size() < kMinFeaturesOfAPicture) {
+    lost_since_s_ = frame.timestamp_s;
+    in_doubt_ = false;
+    return false;
+  }
+  if (fromDoubt(last, frame)) return true;
+  return fromLastTracked(frame) || fromWholeMap(frame);
+}
+
+/// What was found in the last frame and left in doubt must hold in this one.
+bool Recovery::fromDoubt(const TrackedFrame& last, TrackedFrame& frame) {
+  if (!in_doubt_) return false;
+  in_doubt_ = false;
+  frame.T_camera_world = last.T_camera_world;
+  if (pose_tracker_.trackLastFrame(last, frame) < settings_.min_motion_inliers) return false;
+  inliers_ = pose_tracker_.trackLocalMap(frame);
+  return inliers_ >= settings_.min_inliers_relocalized && foundEnough(frame);
+}
+
+bool Recovery::foundEnough(const TrackedFrame& frame) const {
+  return inliers_ >= settings_.min_found * pose_tracker_.findable(frame);
+}
+
+bool Recovery::fromLastTracked(TrackedFrame& frame) {
+  const double gap_s = frame.timestamp_s - failed_at_s_;
+  if (gap_s > kNear_s) return false;
+  for (const bool moved : {true, false}) {
+    if (moved && (!predicts_ || gap_s > kMotionHolds_s)) continue;
+    frame.T_camera_world = moved ? T_predicted_ : anchor_.T_camera_world;
+    const int found = pose_tracker_.trackLastFrame(anchor_, frame);
+    if (found < settings_.min_motion_inliers || found < kFoundAgain * anchor_.inliers) continue;
+    inliers_ = pose_tracker_.trackLocalMap(frame);
+    if (inliers_ >= settings_.min_inliers && inlierSpread(frame, camera_) >= kMinSpread)
+      return true;
+  }
+  return false;
+}
+
+bool Recovery::fromWholeMap(TrackedFrame& frame) {
+  constexpr double kWideSearch = 4;
+  {
+    const std::lock_guard lock(map_.mutex);
+    if (!relocalizer_.relocalize(map_, frame.features, frame.T_camera_world, frame.points))
+      return false;
+  }
+  // First in wide windows, as the pose rests on few points; then as strictly as ever.
+  if (pose_tracker_.trackLocalMap(frame, kWideSearch) < settings_.min_inliers) return false;
+  inliers_ = pose_tracker_.trackLocalMap(frame);
+  const float spread = inlierSpread(frame, camera_);
+  if (inliers_ < settings_.min_inliers_relocalized || !foundEnough(frame) || spread < kMinSpread)
+    return false;
+  in_doubt_ = inliers_ < 2 * settings_.min_inliers_relocalized || spread < kSureSpread;
+  return !in_doubt_;
+}
+
+}  // namespace depthscope::slam

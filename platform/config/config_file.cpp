@@ -164,6 +164,19 @@ void applyOverride(std::string_view assignment, Settings& settings) {
                 "--set ");
 }
 
+namespace {
+
+void checkGpioLine(const std::string& section, const std::string& line, const std::string& chip) {
+  if (line.empty() && !chip.empty())
+    throw InputError(section + ".chip: is set without " + section +
+                     ".line, expected a line's name or offset");
+  if (chip.empty() && lineOffset(line))
+    throw InputError(section + ".line = \"" + line + "\": an offset needs " + section +
+                     ".chip, expected the chip's path, name or label");
+}
+
+}  // namespace
+
 void checkConsistency(const Settings& settings) {
   Settings copy = settings;
   const auto table = settingTable(copy);
@@ -183,13 +196,8 @@ void checkConsistency(const Settings& settings) {
   ordered("overlay.gone_confidence", settings.overlay.gone_confidence, "overlay.full_confidence",
           settings.overlay.full_confidence);
   parseModeRequest(settings.display.mode);
-  if (settings.footswitch.line.empty() && !settings.footswitch.chip.empty())
-    throw InputError(
-        "footswitch.chip: is set without footswitch.line, expected a line's name or offset");
-  if (settings.footswitch.chip.empty() && lineOffset(settings.footswitch.line))
-    throw InputError(
-        "footswitch.line = \"" + settings.footswitch.line +
-        "\": an offset needs footswitch.chip, expected the chip's path, name or label");
+  checkGpioLine("footswitch", settings.footswitch.line, settings.footswitch.chip);
+  checkGpioLine("heartbeat", settings.heartbeat.line, settings.heartbeat.chip);
   ordered("daemon.restart_min_s", settings.daemon.restart_min_s, "daemon.restart_max_s",
           settings.daemon.restart_max_s);
 }

@@ -273,6 +273,16 @@ void bindDaemon(Binder& b, DaemonSettings& s) {
   b.text("ar_program", s.ar_program, "the AR process; empty: depthscope-ar beside depthscoped");
   b.number("realtime_priority", s.realtime_priority, 0, 99,
            "SCHED_FIFO priority of the video loop; 0: ordinary");
+void bindHeartbeat(Binder& b, HeartbeatSettings& s) {
+  b.section("heartbeat");
+  b.text("line", s.line,
+         "GPIO line that changes its level, 20 times a second at most, only while pictures go out, "
+         "for a relay that bypasses the box; by name or, with a chip, by its offset; empty: none");
+  b.text("chip", s.chip,
+         "GPIO chip by path, name or label; empty: the line is looked for by name on all");
+  b.flag("active_low", s.active_low, "the line starts high");
+}
+
   b.flag("lock_memory", s.lock_memory, "keep all pages of the video process in memory");
   b.number("restart_min_s", s.restart_min_s, 0.01, 60,
            "first wait before the AR process is started again");
@@ -306,3 +316,4 @@ std::vector<Setting> settingTable(Settings& settings) {
 }
 
 }  // namespace depthscope::platform
+  bindHeartbeat(binder, settings.heartbeat);

@@ -44,6 +44,13 @@ struct DaemonSettings {
   int realtime_priority = 50;       // SCHED_FIFO priority of the video loop; 0: ordinary
   bool lock_memory = true;          // keep all pages of the video process in memory
   double restart_min_s = 0.2;       // first wait before the AR process is started again
+/// A GPIO line that moves only while pictures go out, for a relay that bypasses the box.
+struct HeartbeatSettings {
+  std::string line;  // by name, or with `chip` by its offset; empty: none
+  std::string chip;  // path, name or label; empty: the line is looked for by name on all chips
+  bool active_low = false;
+};
+
   double restart_max_s = 10;        // the wait doubles up to this
   double heartbeat_timeout_s = 10;  // an AR process silent for longer is killed and started again
   int ar_nice = 10;                 // the AR process gives way to the picture: nice(2) value
@@ -67,3 +74,4 @@ struct Settings {
 };
 
 }  // namespace depthscope::platform
+  HeartbeatSettings heartbeat;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cerrno>
 #include <system_error>
+#include <utility>
 
 #include "platform/daemon/settings_file.hpp"
 #include "platform/log.hpp"
@@ -56,7 +57,8 @@ void ArSupervisor::configure(const Settings& settings) {
 
 void ArSupervisor::tick(Clock::time_point now) {
   int status = 0;
-  if (child_.ended(status)) handleEnd(describeEnd(status), now);
+  if (child_.ended(status))
+    handleEnd(std::exchange(silenced_, false) ? "silent for too long" : describeEnd(status), now);
   if (child_.running())
     watchHeartbeat(now);
   else if (now >= next_start_)
@@ -106,9 +108,9 @@ void ArSupervisor::watchHeartbeat(Clock::time_point now) {
     beats_ = status.beats;
     last_beat_ = now;
   }
-  if (now - last_beat_ < heartbeat_timeout_) return;
-  child_.kill();
-  handleEnd("silent for too long", now);
+  if (silenced_ || now - last_beat_ < heartbeat_timeout_) return;
+  silenced_ = true;
+  child_.signalKill();
 }
 
 bool ArSupervisor::send(const WireCommand& command) {

@@ -53,3 +53,4 @@ class ArSupervisor {
 };
 
 }  // namespace depthscope::platform
+  bool silenced_ = false;  // the child was killed for its silence and has yet to end

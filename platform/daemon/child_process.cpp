@@ -5,14 +5,17 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-#include <cerrno>
+#include <chrono>
 #include <fstream>
 #include <system_error>
+#include <thread>
 
 extern char** environ;
 
 namespace depthscope::platform {
 namespace {
+
+constexpr std::chrono::milliseconds kill_patience{3000}, kill_poll{1};
 
 void check(int code, const char* what) {
   if (code != 0) throw std::system_error(code, std::generic_category(), what);
@@ -84,11 +87,16 @@ bool ChildProcess::ended(int& status) {
   return true;
 }
 
+void ChildProcess::signalKill() const {
+  if (pid_ > 0) ::kill(pid_, SIGKILL);
+}
+
 void ChildProcess::kill() {
-  if (pid_ <= 0) return;
-  ::kill(pid_, SIGKILL);
-  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
-  }
+  signalKill();
+  int status = 0;
+  for (auto left = kill_patience; running() && !ended(status) && left.count() > 0;
+       left -= kill_poll)
+    std::this_thread::sleep_for(kill_poll);
   pid_ = -1;
 }
 

@@ -30,7 +30,10 @@ class ChildProcess {
   pid_t pid() const { return pid_; }
   /// Reaps the child if it ended: true once, and `status` as waitpid(2) gives it.
   bool ended(int& status);
-  /// SIGKILL and wait.
+  /// SIGKILL; ended() tells when it has taken effect. A process that hangs in a driver may take its
+  /// time to die, and nobody is to wait for that.
+  void signalKill() const;
+  /// SIGKILL and wait, for a few seconds at most: what has not ended by then is left behind.
   void kill();
 
  private:

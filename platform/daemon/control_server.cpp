@@ -16,9 +16,11 @@ namespace {
 constexpr timeval client_patience{0, 200000};  // 200 ms
 constexpr std::size_t longest_request = 512;
 
+/// Does not wait where the other is too busy to answer.
 bool somebodyListens(const sockaddr_un& address) {
-  const UniqueFd probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  return ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  const UniqueFd probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  return ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ||
+         errno == EAGAIN;
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ void Daemon::run() {
   });
   VideoThread video([&] { return makeLoop(layers); }, options_.settings.daemon.realtime_priority,
                     report_);
-  ::sd_watchdog_enabled(0, &watchdog_us_);
+  const LifeSigns life_signs(report_, options_.settings.heartbeat);
   const CaptureSettings& capture = options_.settings.capture;
   log(LogPriority::Info, "started",
       {{"input", capture.card.device.empty() ? capture.input : capture.card.device},
@@ -140,7 +140,6 @@ void Daemon::serviceLoop() {
     if (wait[1].revents != 0) control_.serve();
     if (frame_log_) frame_log_->flush();
     logSource();
-    feedWatchdog();
   }
 }
 
@@ -180,23 +179,6 @@ void Daemon::reload() {
         {{"error", error.what()}});
   }
   ::sd_notify(0, "READY=1");
-}
-
-/// Tells systemd that the service is up once a picture went out, and that all is well as long as
-/// pictures, or pictures that say what is wrong, go out. A display that says what is wrong with it
-/// (no monitor, say) is tried again by the loop itself: a restart would be no faster.
-void Daemon::feedWatchdog() {
-  const auto now = std::chrono::steady_clock::now();
-  const std::uint64_t presented = report_.presented.load(std::memory_order_acquire) +
-                                  report_.display_faults.load(std::memory_order_acquire);
-  if (presented == presented_seen_) return;
-  if (presented_seen_ == 0)
-    ::sd_notify(0, "READY=1");
-  else if (watchdog_us_ == 0 || now - last_fed_ < std::chrono::microseconds(watchdog_us_ / 4))
-    return;
-  presented_seen_ = presented;
-  last_fed_ = now;
-  if (watchdog_us_ != 0) ::sd_notify(0, "WATCHDOG=1");
 }
 
 void Daemon::logSource() {

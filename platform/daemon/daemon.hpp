@@ -8,6 +8,7 @@
 #include "platform/daemon/control_server.hpp"
 #include "platform/daemon/daemon_options.hpp"
 #include "platform/daemon/frame_log.hpp"
+#include "platform/daemon/life_signs.hpp"
 #include "platform/daemon/overlay_thread.hpp"
 #include "platform/daemon/video_thread.hpp"
 #include "platform/display/display.hpp"
@@ -32,7 +33,6 @@ class Daemon {
   bool handleSignals();
   void serveFootswitch(std::span<const pollfd> descriptors);
   void reload();
-  void feedWatchdog();
   void logSource();
   void logEnd() const;
 
@@ -52,8 +52,6 @@ class Daemon {
   Footswitch footswitch_;
   ControlRequests control_requests_;
   ControlServer control_;
-  std::uint64_t watchdog_us_ = 0, presented_seen_ = 0;
-  std::chrono::steady_clock::time_point last_fed_{};
 };
 
 }  // namespace depthscope::platform

@@ -1,5 +1,7 @@
 #include "platform/daemon/frame_log.hpp"
 
+#include <fcntl.h>
+
 #include <cerrno>
 #include <cinttypes>
 #include <cstring>
@@ -15,7 +17,10 @@ long long microseconds(FrameTimes::Time from, FrameTimes::Time to) {
 
 }  // namespace
 
-FrameLog::FrameLog(const std::string& path) : file_(std::fopen(path.c_str(), "we")) {
+FrameLog::FrameLog(const std::string& path) {
+  // Not even a pipe that nobody reads from may hold the start up.
+  const int flags = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK;
+  if (const int fd = ::open(path.c_str(), flags, 0666); fd >= 0) file_.reset(::fdopen(fd, "w"));
   if (!file_)
     throw InputError("daemon.frame_log: " + path + ": cannot be written: " + std::strerror(errno));
   std::fputs(

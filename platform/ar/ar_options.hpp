@@ -11,6 +11,7 @@ struct ArOptions {
   UniqueFd shared_memory;  // memfd with frames, poses and surfaces
   UniqueFd commands;       // socket; its end means that the video process is gone
   UniqueFd frame_event;    // eventfd, counted up with every picture
+  UniqueFd pose_event;     // eventfd, to be counted up with every pose
   CameraModel camera;
   Settings settings;
 };

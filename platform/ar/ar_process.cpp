@@ -90,6 +90,7 @@ void ArProcess::handlePicture() {
   estimate_ = live_.track({picture_.data(), width, height, width}, picture_info_.frame,
                           picture_info_.timestamp_s);
   memory_.block().pose.write(encodePose(estimate_));
+  ::eventfd_write(options_.pose_event.get(), 1);
   track_ms_.add(live_.slam().lastTimes().track_ms);
   ++status_.tracked_frames;
   publishSurface();

@@ -246,6 +246,11 @@ void bindDisplay(Binder& b, DisplaySettings& s) {
          "where the monitor has it");
 }
 
+  b.choice("registration", s.registration, {"lowest-latency", "exact"},
+           "\"lowest-latency\" shows the picture at once, with the newest pose carried on to its "
+           "time; \"exact\" lets it wait for the pose that is found in it");
+  b.number("exact_wait", s.exact_wait, 0.1, 0.9,
+           "[frame intervals] most that a picture waits for that");
 void bindFootswitch(Binder& b, FootswitchSettings& s) {
   b.section("footswitch");
   b.live(true);

@@ -26,6 +26,12 @@ enum class DisplayKind { Null, File, Kms, Fbdev };
 /// where it has them, else the processor. Gpu: the graphics processor, else the processor.
 enum class DisplayRoute { Auto, Gpu, Cpu };
 
+/// How picture and overlay go together.
+enum class Registration {
+  LowestLatency,  // the picture at once, with the newest pose carried on to its time
+  Exact,          // the picture waits, for a bounded time, for the pose found in it
+};
+
 /// Where the daemon's pictures go to.
 struct DisplaySettings {
   DisplayKind kind = DisplayKind::Null;
@@ -33,7 +39,16 @@ struct DisplaySettings {
   std::string device = "auto";     // card or framebuffer, e.g. /dev/dri/card0, /dev/fb0
   std::string connector = "auto";  // of the card, e.g. HDMI-A-1; auto: the first with a monitor
   DisplayRoute route = DisplayRoute::Auto;
+  Registration registration = Registration::LowestLatency;
+  double exact_wait = 0.8;    // most that a picture waits for its own pose, in frame intervals
   std::string mode = "auto";  // of the monitor, e.g. 1920x1080@60; auto: what fits the picture
+};
+
+/// A GPIO line that moves only while pictures go out, for a relay that bypasses the box.
+struct HeartbeatSettings {
+  std::string line;  // by name, or with `chip` by its offset; empty: none
+  std::string chip;  // path, name or label; empty: the line is looked for by name on all chips
+  bool active_low = false;
 };
 
 /// The daemon itself: control, supervision, priority.
@@ -44,13 +59,6 @@ struct DaemonSettings {
   int realtime_priority = 50;       // SCHED_FIFO priority of the video loop; 0: ordinary
   bool lock_memory = true;          // keep all pages of the video process in memory
   double restart_min_s = 0.2;       // first wait before the AR process is started again
-/// A GPIO line that moves only while pictures go out, for a relay that bypasses the box.
-struct HeartbeatSettings {
-  std::string line;  // by name, or with `chip` by its offset; empty: none
-  std::string chip;  // path, name or label; empty: the line is looked for by name on all chips
-  bool active_low = false;
-};
-
   double restart_max_s = 10;        // the wait doubles up to this
   double heartbeat_timeout_s = 10;  // an AR process silent for longer is killed and started again
   int ar_nice = 10;                 // the AR process gives way to the picture: nice(2) value
@@ -70,8 +78,8 @@ struct Settings {
   overlay::OverlaySettings overlay;
   DisplaySettings display;
   FootswitchSettings footswitch;
+  HeartbeatSettings heartbeat;
   DaemonSettings daemon;
 };
 
 }  // namespace depthscope::platform
-  HeartbeatSettings heartbeat;

@@ -36,6 +36,10 @@ class ArLink {
   void publish(const capture::Frame& frame, std::vector<std::uint8_t>& gray);
   /// Brings the compositor's surface and labels up to date.
   void update(overlay::Compositor& compositor);
+  /// Whether an AR process may find the pose of a picture of this size.
+  bool expectsPose(int width, int height) const {
+    return starts_seen_ % 2 == 1 && fits(width, height);
+  }
   /// For a picture of this size captured at `captured`; the pose is predicted to that time.
   View view(PublishedFrames::Time captured, int width, int height);
 

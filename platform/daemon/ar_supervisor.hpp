@@ -10,15 +10,20 @@
 
 namespace depthscope::platform {
 
+/// Eventfds between the two processes.
+struct ArEvents {
+  int frame;  // counted up with every picture given to the AR process
+  int pose;   // counted up by it with every pose
+};
+
 /// Starts the AR process, starts it again when it ends or falls silent, and passes commands to it.
 /// Used from the service's thread.
 class ArSupervisor {
  public:
   using Clock = RestartPolicy::Clock;
 
-  /// `program` and `arguments` of the AR process. The memory and the eventfd outlive the
-  /// supervisor.
-  ArSupervisor(std::vector<std::string> command, const SharedMemory& memory, int frame_event,
+  /// Program and arguments of the AR process. The memory and the eventfds outlive the supervisor.
+  ArSupervisor(std::vector<std::string> command, const SharedMemory& memory, ArEvents events,
                const Settings& settings);
 
   /// What AR processes started from now on are configured with. Throws std::system_error.
@@ -39,7 +44,7 @@ class ArSupervisor {
 
   std::vector<std::string> command_;
   const SharedMemory& memory_;
-  int frame_event_;
+  ArEvents events_;
   UniqueFd settings_file_;
   std::chrono::nanoseconds heartbeat_timeout_;
   int nice_;
@@ -49,8 +54,8 @@ class ArSupervisor {
   UniqueFd commands_;
   Clock::time_point next_start_{}, last_beat_{};
   std::uint64_t beats_ = 0;
+  bool silenced_ = false;  // the child was killed for its silence and has yet to end
   int starts_ = 0;
 };
 
 }  // namespace depthscope::platform
-  bool silenced_ = false;  // the child was killed for its silence and has yet to end

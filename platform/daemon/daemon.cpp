@@ -67,13 +67,15 @@ Daemon::Daemon(const DaemonOptions& options)
       settings_(options.settings),
       signals_(makeSignals()),
       frame_event_(makeEvent()),
+      pose_event_(makeEvent()),
       source_(openSource(options.settings.capture, options.camera)),
       fps_(source_->fps() > 0 ? source_->fps() : 30),
       memory_(SharedMemory::create(capacity(options))),
       display_(makeDisplay(options.settings.display, kernel::realSystemCalls(),
                            options.camera.width, options.camera.height, fps_)),
       link_(memory_, frame_event_.get(), options.settings.overlay.max_age_ms),
-      ar_(arCommand(options), memory_, frame_event_.get(), settings_),
+      pose_wait_(memory_, pose_event_.get(), kernel::realSystemCalls()),
+      ar_(arCommand(options), memory_, {frame_event_.get(), pose_event_.get()}, settings_),
       gpio_(makeGpioChips()),
       footswitch_(options.settings.footswitch, *gpio_, kernel::realSystemCalls()),
       control_requests_(settings_, options.camera, memory_, ar_, video_requests_, report_,
@@ -90,9 +92,12 @@ void Daemon::run() {
   // The first to open a graphics card is its master, who alone may show pictures; where there is no
   // GPU, EGL would open the monitor's card to draw with.
   display_->acquire(options_.camera.width, options_.camera.height);
-  OverlayThread layers([this] {
-    return std::make_unique<LayerPainter>(options_.camera, options_.settings.overlay, link_,
-                                          video_requests_);
+  const bool exact = options_.settings.display.registration == Registration::Exact;
+  OverlayThread layers([this, exact] {
+    auto painter = std::make_unique<LayerPainter>(options_.camera, options_.settings.overlay, link_,
+                                                  video_requests_);
+    painter->waitForPoses(exact ? &pose_wait_ : nullptr);
+    return painter;
   });
   VideoThread video([&] { return makeLoop(layers); }, options_.settings.daemon.realtime_priority,
                     report_);
@@ -117,8 +122,11 @@ std::unique_ptr<VideoLoop> Daemon::makeLoop(LayerSource& layers) {
                                report_,
                                frame_log_ ? &*frame_log_ : nullptr,
                                kernel::realSystemCalls()};
-  const VideoLoopSettings settings{static_cast<float>(options_.settings.daemon.overlay_wait),
-                                   options_.settings.overlay.max_age_ms,
+  const DisplaySettings& display = options_.settings.display;
+  const double wait = display.registration == Registration::Exact
+                          ? display.exact_wait
+                          : options_.settings.daemon.overlay_wait;
+  const VideoLoopSettings settings{static_cast<float>(wait), options_.settings.overlay.max_age_ms,
                                    options_.settings.daemon.stale_s};
   return std::make_unique<VideoLoop>(parts, settings, options_.settings.overlay.font_file,
                                      options_.camera.width, options_.camera.height);

@@ -38,12 +38,13 @@ class Daemon {
 
   const DaemonOptions options_;
   Settings settings_;  // those in force: the options', as changed since
-  UniqueFd signals_, frame_event_;
+  UniqueFd signals_, frame_event_, pose_event_;
   std::unique_ptr<capture::FrameSource> source_;
   double fps_;
   SharedMemory memory_;
   std::unique_ptr<Display> display_;
   ArLink link_;
+  PoseWait pose_wait_;
   ArSupervisor ar_;
   VideoReport report_;
   VideoRequests video_requests_;

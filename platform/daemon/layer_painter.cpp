@@ -1,5 +1,7 @@
 #include "platform/daemon/layer_painter.hpp"
 
+#include <algorithm>
+
 namespace depthscope::platform {
 
 LayerPainter::LayerPainter(const CameraModel& camera, const overlay::OverlaySettings& overlay,
@@ -9,6 +11,8 @@ LayerPainter::LayerPainter(const CameraModel& camera, const overlay::OverlaySett
 void LayerPainter::draw(const LayerRequest& request, OverlayLayer& layer) {
   if (const auto settings = requests_.takeOverlay()) compositor_.setSettings(*settings);
   link_.update(compositor_);
+  awaitPose(request);
+  const auto began = wait_ != nullptr ? wait_->now() : PoseWait::Time();
   const ArLink::View view = link_.view(request.captured, request.width, request.height);
   overlay::OverlayState state = view.state;
   if (request.damaged) state.message = "damaged picture";
@@ -23,6 +27,14 @@ void LayerPainter::draw(const LayerRequest& request, OverlayLayer& layer) {
   const auto rect = compositor_.drawLayer(request.width, request.height, state, layer.pixels);
   layer.drawn = rect.has_value();
   layer.rect = rect.value_or(overlay::PixelRect{0, 0, request.width, request.height});
+  if (wait_ != nullptr)
+    drawing_time_ =
+        std::max<std::chrono::nanoseconds>(drawing_time_ * 19 / 20, wait_->now() - began);
+}
+
+void LayerPainter::awaitPose(const LayerRequest& request) const {
+  if (wait_ != nullptr && link_.expectsPose(request.width, request.height))
+    wait_->until(request.frame, request.deadline - drawing_time_);
 }
 
 }  // namespace depthscope::platform

@@ -12,8 +12,11 @@ namespace depthscope::platform {
 struct LayerRequest {
   std::uint64_t number = 0;  // grows by one with each request
   int width = 0, height = 0;
-  bool damaged = false;  // the source flagged the picture
+  std::int64_t frame = -1;  // the number under which the AR process was given the picture
+  bool damaged = false;     // the source flagged the picture
   std::chrono::steady_clock::time_point captured{};
+  std::chrono::steady_clock::time_point
+      deadline{};  // the picture goes out then, with it or without
 };
 
 /// An overlay, ready to be laid over pictures.

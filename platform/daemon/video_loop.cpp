@@ -64,6 +64,7 @@ void VideoLoop::resize(int width, int height) {
     messages.push_back(faultMessage(static_cast<SourceStatus>(s)));
   painter_.prepare(width, height, messages);
   parts_.requests.setPictureBytes(bytes);
+  overlay_deadline_.reset();
   last_picture_.reset();
 }
 
@@ -84,7 +85,7 @@ bool VideoLoop::turn() {
     showPicture(result.frame);
   else
     showFault(result.status);
-  reportDisplay();
+  report.note(parts_.display);
   report.skipped.store(parts_.source.skipped(), std::memory_order_relaxed);
   report.damaged.store(parts_.source.damagedFrames(), std::memory_order_relaxed);
   report.rejected.store(parts_.ar.rejected(), std::memory_order_relaxed);
@@ -119,7 +120,12 @@ void VideoLoop::showPicture(capture::Frame& frame) {
   times.damaged = frame.damaged;
   resize(frame.format.width, frame.format.height);
   parts_.ar.publish(frame, gray_);
-  parts_.layers.request({++requests_, width_, height_, frame.damaged, frame.capture_time});
+  const double fps = parts_.source.fps() > 0 ? parts_.source.fps() : usual_fps;
+  const Time deadline =
+      overlay_deadline_.next(times.captured, times.dequeued,
+                             toNanoseconds(static_cast<double>(settings_.overlay_wait) / fps));
+  parts_.layers.request({++requests_, width_, height_, static_cast<std::int64_t>(frame.sequence),
+                         frame.damaged, frame.capture_time, deadline});
   // Fault pictures were counted too.
   shown_ = std::max(shown_ + 1, static_cast<std::int64_t>(frame.sequence));
   const bool direct = parts_.display.takesFrame(frame);
@@ -128,9 +134,7 @@ void VideoLoop::showPicture(capture::Frame& frame) {
 
   const auto out = parts_.display.acquire(width_, height_);
   if (out.empty()) return giveUp(frame, times);
-  const double fps = parts_.source.fps() > 0 ? parts_.source.fps() : usual_fps;
-  layer_ = parts_.layers.newest(times.dequeued +
-                                toNanoseconds(static_cast<double>(settings_.overlay_wait) / fps));
+  layer_ = parts_.layers.newest(deadline);
   times.overlaid = parts_.system.now();
   const OverlayLayer* layer = usableLayer(frame.capture_time);
   noteLayer(layer, times);
@@ -277,18 +281,6 @@ void VideoLoop::showFault(SourceStatus status) {
   parts_.report.overlay_status.store(static_cast<std::uint8_t>(overlay::Status::NoSignal),
                                      std::memory_order_relaxed);
   parts_.report.faults.fetch_add(1, std::memory_order_relaxed);
-}
-
-void VideoLoop::reportDisplay() {
-  const DisplayMode mode = parts_.display.mode();
-  VideoReport& report = parts_.report;
-  const DisplayState state = parts_.display.state();
-  report.display_state.store(static_cast<std::uint8_t>(state), std::memory_order_relaxed);
-  if (state != DisplayState::Ok && state != DisplayState::Starting)
-    report.display_faults.fetch_add(1, std::memory_order_release);
-  report.display_width.store(mode.width, std::memory_order_relaxed);
-  report.display_height.store(mode.height, std::memory_order_relaxed);
-  report.display_refresh_hz.store(mode.refresh_hz, std::memory_order_relaxed);
 }
 
 void VideoLoop::present(std::span<std::uint8_t> picture) {

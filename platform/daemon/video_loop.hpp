@@ -11,6 +11,7 @@
 #include "platform/daemon/frame_clock.hpp"
 #include "platform/daemon/frame_log.hpp"
 #include "platform/daemon/layer_source.hpp"
+#include "platform/daemon/overlay_deadline.hpp"
 #include "platform/daemon/video_report.hpp"
 #include "platform/daemon/video_requests.hpp"
 #include "platform/display/display.hpp"
@@ -71,7 +72,6 @@ class VideoLoop {
   void present(std::span<std::uint8_t> picture);
   void account(const FrameTimes& times);
   void takeShown();
-  void reportDisplay();
   void noteSource(const capture::ReadResult& result);
 
   Parts parts_;
@@ -87,6 +87,7 @@ class VideoLoop {
   std::optional<Time> last_picture_;
   const OverlayLayer* layer_ = nullptr;  // the newest, if any
   std::uint64_t requests_ = 0;
+  OverlayDeadline overlay_deadline_;
   FrameClock clock_;
   bool noted_ = false;  // the log knows of noted_status_
   capture::SourceStatus noted_status_ = capture::SourceStatus::Ok;

@@ -4,6 +4,7 @@
 
 #include "platform/daemon/frame_clock.hpp"
 #include "platform/daemon/source_note.hpp"
+#include "platform/display/display.hpp"
 #include "platform/ipc/seqlock.hpp"
 
 namespace depthscope::platform {
@@ -36,6 +37,9 @@ struct VideoReport {
   SeqlockBox<FrameClockSummary> times;  // brought up to date every second or so
   std::atomic<bool> ended{false};       // the clip is over
   SourceNote source_note;
+
+  /// Takes over how the display is doing. From the video loop.
+  void note(const Display& display);
 };
 
 }  // namespace depthscope::platform

@@ -146,6 +146,27 @@ TEST_F(DaemonRun, AnArProcessThatCannotStartIsTriedAgainEverLater) {
                                " skipped=0 damaged=0 given_up=0 tracked=0"));
 }
 
+TEST_F(DaemonRun, AnArProcessThatRunsOutOfMemoryIsReplacedAndThePictureGoesOn) {
+  start({"--set", "daemon.ar_memory_mb=32"});
+  EXPECT_EQ(exitStatus(), 0) << log();
+  EXPECT_THAT(log(), HasSubstr("depthscope-ar failed error=std::bad_alloc"));
+  EXPECT_THAT(log(), HasSubstr("AR process ended, the picture goes on how=\"exit status 1\""));
+  EXPECT_THAT(log(), HasSubstr("stopped frames=" + std::to_string(frames) +
+                               " skipped=0 damaged=0 given_up=0 tracked=0"));
+}
+
+TEST_F(DaemonRun, ExactRegistrationCostsNoPictureWhenTheArProcessIsKilledOrHangs) {
+  start({"--set", "display.registration=exact"});
+  const auto before =
+      waitFor([](const auto& s) { return s["ar_alive"] && s["frames_shown"] > 15; });
+  ASSERT_EQ(::kill(before["ar_pid"].get<pid_t>(), SIGKILL), 0);
+  const auto after = waitFor([](const auto& s) { return s["ar_restarts"] == 1 && s["ar_alive"]; });
+  ASSERT_EQ(::kill(after["ar_pid"].get<pid_t>(), SIGSTOP), 0);
+  EXPECT_EQ(exitStatus(), 0) << log();
+  EXPECT_THAT(log(), HasSubstr("stopped frames=" + std::to_string(frames) +
+                               " skipped=0 damaged=0 given_up=0"));
+}
+
 TEST_F(DaemonRun, AnswersOnTheControlSocket) {
   start({"--set", "capture.loop=true", "--set", "recon.period_s=0"});
   waitFor([](const auto& s) { return s["ar_alive"] && s["frames_shown"] > 1; });

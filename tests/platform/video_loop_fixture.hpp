@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -62,6 +63,7 @@ class ScriptedSource final : public capture::FrameSource {
     if (entry.status != capture::SourceStatus::Ok) return {entry.status, {}, false};
     return {capture::SourceStatus::Ok, picture(entry), false};
   }
+  std::function<void(capture::Frame&)> paint;  // something of the test's own into each picture
   capture::FrameFormat format() const override { return format_; }
   double fps() const override { return 30; }
   std::uint64_t skipped() const override { return 0; }
@@ -87,6 +89,7 @@ class ScriptedSource final : public capture::FrameSource {
     frame.sequence = entry.sequence;
     frame.capture_time = entry.at;
     frame.damaged = entry.damaged;
+    if (paint) paint(frame);
     return frame;
   }
 
@@ -159,14 +162,14 @@ class RecordingDisplay final : public Display {
 /// A video loop on a simulated clock, with a real compositor; the test plays source and AR process.
 class VideoLoopFixture : public testing::Test {
  protected:
-  explicit VideoLoopFixture(const overlay::OverlaySettings& settings = {})
-      : painter(camera, settings, link, requests) {}
+  explicit VideoLoopFixture(const overlay::OverlaySettings& overlay = {})
+      : painter(camera, overlay, link, requests) {}
 
   void SetUp() override { makeLoop(); }
   void makeLoop() {
     loop = std::make_unique<VideoLoop>(
         VideoLoop::Parts{source, display, layers, link, requests, report, nullptr, system},
-        VideoLoopSettings{}, "", camera.width, camera.height);
+        settings, "", camera.width, camera.height);
   }
 
   /// A surface 50 mm before the camera, over the middle of the picture.
@@ -218,6 +221,7 @@ class VideoLoopFixture : public testing::Test {
   VideoReport report;
   LayerPainter painter;
   DirectLayers layers{painter};
+  VideoLoopSettings settings;
   std::unique_ptr<VideoLoop> loop;
   Time next = system.now();
   std::int64_t sequence = 0;

@@ -1,0 +1,191 @@
+// display.registration on a simulated clock: an AR process that takes its time, hangs, dies or
+// floods. In no case may it cost a picture.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "tests/platform/video_loop_fixture.hpp"
+
+namespace depthscope::platform {
+namespace {
+
+constexpr milliseconds frame_interval{33};
+constexpr float exact_wait = 0.8f;
+// What a picture may be late by: the wait, 2 ms of the display, and the calls themselves.
+constexpr milliseconds exact_bound{27 + 2 + 1};
+
+/// Plays the AR process behind the eventfd of poses: finds each picture's pose some time after the
+/// picture was published.
+class PacedTracker final : public fake::FakeFile {
+ public:
+  PacedTracker(const SharedMemory& memory, fake::FakeKernel& system)
+      : memory_(memory), system_(system), frames_(memory), pixels_(160 * 120) {}
+
+  short events() override {
+    work();
+    return waiting_ || flood ? POLLIN : 0;
+  }
+  std::optional<Time> nextEvent() override {
+    work();
+    if (!busy_ || stopped) return std::nullopt;
+    return due_;
+  }
+  ssize_t read(std::span<std::byte> into) override {
+    if (!waiting_ && !flood) return -EAGAIN;
+    const std::uint64_t count = 1;
+    waiting_ = false;
+    std::memcpy(into.data(), &count, std::min(into.size(), sizeof count));
+    return 8;
+  }
+  /// Looks at the clock: takes the newest picture, or gives its pose when it is due.
+  void work() {
+    if (busy_ && !stopped && system_.now() >= due_) {
+      busy_ = false;
+      waiting_ = true;
+      PoseEstimate pose;
+      pose.frame = info_.frame;
+      pose.state = TrackingState::Tracking;
+      pose.confidence = 1;
+      memory_.block().pose.write(encodePose(pose));
+    }
+    if (busy_ || stopped || !frames_.takeNewest(pixels_, info_)) return;
+    busy_ = true;
+    due_ = system_.now() + takes;
+  }
+
+  std::chrono::nanoseconds takes = milliseconds(12);
+  bool stopped = false, flood = false;
+
+ private:
+  const SharedMemory& memory_;
+  fake::FakeKernel& system_;
+  FrameRingReader frames_;
+  std::vector<std::uint8_t> pixels_;
+  WireFrameInfo info_{};
+  bool busy_ = false, waiting_ = false;
+  Time due_{};
+};
+
+class RegistrationTest : public VideoLoopFixture {
+ protected:
+  void SetUp() override { use(true); }
+  void use(bool exact) {
+    settings.overlay_wait = exact ? exact_wait : 0.5f;
+    painter.waitForPoses(exact ? &wait : nullptr);
+    makeLoop();
+    link.setAlive(true);
+    sendPose(0);
+  }
+  /// Pictures at their rate, while the tracker works. The latest that one went out.
+  std::chrono::nanoseconds play(int pictures) {
+    std::chrono::nanoseconds latest{0};
+    for (int i = 0; i < pictures; ++i) {
+      next += frame_interval;
+      source.add(next);
+      ++sequence;
+      if (next > system.now()) system.advance(next - system.now());
+      tracker->work();
+      EXPECT_TRUE(loop->turn());
+      latest = std::max<std::chrono::nanoseconds>(latest, last().at - next);
+      tracker->work();
+    }
+    return latest;
+  }
+  FrameClockSummary times() {
+    while (report.frames.load() % 30 != 1) play(1);
+    FrameClockSummary summary;
+    EXPECT_TRUE(report.times.read(summary));
+    return summary;
+  }
+  void expectEveryPictureOnce() {
+    ASSERT_EQ(display.shown.size(), static_cast<std::size_t>(sequence));
+    for (std::size_t i = 0; i < display.shown.size(); ++i)
+      EXPECT_EQ(display.shown[i].index, static_cast<std::int64_t>(i));
+  }
+  overlay::Status status() const {
+    return static_cast<overlay::Status>(report.overlay_status.load());
+  }
+
+  PacedTracker* tracker = new PacedTracker(memory, system);  // the kernel's, below
+  const int pose_event = system.install(std::unique_ptr<fake::FakeFile>(tracker));
+  PoseWait wait{memory, pose_event, system};
+};
+
+TEST_F(RegistrationTest, ExactShowsEachPictureWithItsOwnPose) {
+  sendSurface();
+  EXPECT_LE(play(60), exact_bound);
+  const FrameClockSummary t = times();
+  EXPECT_GE(t.overlay_age.count, 60u);
+  EXPECT_EQ(t.overlay_age.max, 0) << "overlay and picture are of the same moment";
+  EXPECT_NEAR(t.video_delay.p50, 14, 0.5) << "tracking and display";
+  expectEveryPictureOnce();
+}
+
+TEST_F(RegistrationTest, LowestLatencyWaitsForNoPose) {
+  use(false);
+  play(60);
+  const FrameClockSummary t = times();
+  EXPECT_NEAR(t.video_delay.p50, 2, 0.2);
+  EXPECT_NEAR(t.overlay_age.p50, 33, 1) << "the newest pose is of the picture before";
+  expectEveryPictureOnce();
+}
+
+TEST_F(RegistrationTest, ASlowTrackerDelaysThePictureNoFurtherThanTheBound) {
+  for (int ms : {25, 30, 45, 90, 300}) {
+    tracker->takes = milliseconds(ms);
+    EXPECT_LE(play(60), exact_bound) << ms;
+  }
+  expectEveryPictureOnce();
+}
+
+TEST_F(RegistrationTest, ALittleTooSlowATrackerLeavesThePredictedOverlay) {
+  tracker->takes = milliseconds(30);
+  play(60);
+  EXPECT_EQ(status(), overlay::Status::Tracking);
+  EXPECT_LE(times().overlay_age.max, 120);
+}
+
+TEST_F(RegistrationTest, AnArProcessThatHangsIsSoonNoLongerWaitedFor) {
+  play(10);
+  tracker->stopped = true;
+  EXPECT_LE(play(4), exact_bound);
+  EXPECT_LE(play(30), milliseconds(3)) << "no wait: nothing would come";
+  EXPECT_EQ(status(), overlay::Status::Stale);
+  tracker->stopped = false;
+  play(4);
+  EXPECT_EQ(status(), overlay::Status::Tracking);
+  EXPECT_GT(play(10), milliseconds(10)) << "exact again";
+  expectEveryPictureOnce();
+}
+
+TEST_F(RegistrationTest, AnArProcessThatDiesIsNotWaitedFor) {
+  play(10);
+  tracker->stopped = true;
+  link.setAlive(false);
+  EXPECT_LE(play(30), milliseconds(3));
+  EXPECT_EQ(status(), overlay::Status::NoAr);
+  expectEveryPictureOnce();
+}
+
+TEST_F(RegistrationTest, AFloodOfEventsEndsAtTheBound) {
+  play(10);
+  tracker->stopped = tracker->flood = true;
+  EXPECT_LE(play(10), exact_bound);
+  expectEveryPictureOnce();
+}
+
+TEST_F(RegistrationTest, AnEventThatCannotBeReadEndsTheWait) {
+  play(10);
+  system.close(pose_event);
+  tracker = nullptr;
+  for (int i = 0; i < 10; ++i) {
+    source.add(next += frame_interval);
+    ++sequence;
+    ASSERT_TRUE(loop->turn());
+    EXPECT_LE(last().at - next, milliseconds(3));
+  }
+  expectEveryPictureOnce();
+}
+
+}  // namespace
+}  // namespace depthscope::platform

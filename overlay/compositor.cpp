@@ -78,6 +78,9 @@ void Compositor::setSettings(const OverlaySettings& settings) {
 void Compositor::setSurface(const SurfaceMesh& mesh) {
   impl_->renderer.setSurface(mesh);
 }
+void Compositor::setView(const ViewOutline& view) {
+  impl_->renderer.setView(view);
+}
 void Compositor::setLabels(std::span<const Label> labels) {
   impl_->renderer.setLabels(labels);
 }

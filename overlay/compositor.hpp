@@ -10,6 +10,7 @@
 #include "types/image_view.hpp"
 #include "types/label.hpp"
 #include "types/surface_mesh.hpp"
+#include "types/view_outline.hpp"
 
 namespace depthscope::overlay {
 
@@ -29,6 +30,8 @@ class Compositor {
   /// only under poses of its own map; the one before stays in use for as long as poses are of its
   /// map instead. An empty mesh: none.
   void setSurface(const SurfaceMesh& mesh);
+  /// The surface is drawn only where the scope shows anything. Until told, that is everywhere.
+  void setView(const ViewOutline& view);
   /// Labels keep their place around the anchor by their `id`. The first `max_labels` are taken.
   void setLabels(std::span<const Label> labels);
 

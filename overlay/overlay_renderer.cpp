@@ -32,7 +32,7 @@ OverlayRenderer::OverlayRenderer(const CameraModel& camera, const OverlaySetting
       settings_(settings),
       max_labels_(std::max(settings.max_labels, 0)),
       rasterizer_(settings.font_file),
-      surface_pass_(camera),
+      surface_pass_(camera, view_),
       inset_(camera, settings),
       labels_(camera, max_labels_) {
   warmUp();
@@ -89,6 +89,10 @@ void OverlayRenderer::setSettings(const OverlaySettings& settings) {
 
 void OverlayRenderer::setSurface(const SurfaceMesh& mesh) {
   if (context_.makeCurrent()) surfaces_.set(mesh, settings_);
+}
+
+void OverlayRenderer::setView(const ViewOutline& view) {
+  if (context_.makeCurrent()) view_.set(view);
 }
 
 void OverlayRenderer::setLabels(std::span<const Label> labels) {

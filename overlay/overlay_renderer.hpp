@@ -11,6 +11,7 @@
 #include "overlay/layer.hpp"
 #include "overlay/surface_stack.hpp"
 #include "overlay/text_atlas.hpp"
+#include "overlay/view_mask.hpp"
 
 namespace depthscope::overlay {
 
@@ -21,6 +22,7 @@ class OverlayRenderer {
 
   void setSettings(const OverlaySettings& settings);
   void setSurface(const SurfaceMesh& mesh);
+  void setView(const ViewOutline& view);
   void setLabels(std::span<const Label> labels);
 
   /// Draws the layer for a picture of this size; nothing if the driver fails. Returns the rectangle
@@ -46,6 +48,7 @@ class OverlayRenderer {
   EglContext context_;  // before all that lives in it
   TextRasterizer rasterizer_;
   Layer layer_;
+  ViewMask view_;
   SurfacePass surface_pass_;
   SurfaceStack surfaces_;
   DepthRange range_;

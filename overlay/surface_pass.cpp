@@ -10,6 +10,17 @@ namespace depthscope::overlay {
 namespace {
 
 constexpr float kContoursInView = 14;
+constexpr GLuint kViewUnit = 1;      // of the textures; 0 is for everybody
+constexpr float kViewEdge = 0.012f;  // width of the soft edge at the view's border, of the height
+
+/// Uniforms of view.glsl that never change.
+void setView(const ShaderProgram& program, const CameraModel& camera) {
+  program.use();
+  const auto height = static_cast<float>(camera.height);
+  glUniform1i(program.uniform("u_view"), kViewUnit);
+  glUniform2f(program.uniform("u_view_scale"), ViewOutline::bands / height,
+              1 / (kViewEdge * height));
+}
 
 /// Uniforms of lens.glsl that never change.
 void setLens(const ShaderProgram& program, const CameraModel& camera) {
@@ -30,7 +41,7 @@ void setLens(const ShaderProgram& program, const CameraModel& camera) {
 
 SurfacePass::Cue::Cue(const CameraModel& camera, const char* define)
     : program("surface", {define, shader_text::lens, shader_text::surface_vert},
-              {define, shader_text::ramp, shader_text::surface_frag}),
+              {define, shader_text::ramp, shader_text::view, shader_text::surface_frag}),
       R(program.uniform("u_R_camera_surface")),
       t(program.uniform("u_t_camera_surface")),
       clip_depths(program.uniform("u_clip_depths")),
@@ -39,10 +50,11 @@ SurfacePass::Cue::Cue(const CameraModel& camera, const char* define)
       opacity(program.uniform("u_opacity")),
       alpha(program.uniform("u_alpha")) {
   setLens(program, camera);
+  setView(program, camera);
 }
 
-SurfacePass::SurfacePass(const CameraModel& camera)
-    : chromadepth_(camera, ""), mesh_(camera, "#define CUE_MESH\n") {}
+SurfacePass::SurfacePass(const CameraModel& camera, const ViewMask& view)
+    : view_(view), chromadepth_(camera, ""), mesh_(camera, "#define CUE_MESH\n") {}
 
 void SurfacePass::setUp(const Cue& cue, const Pose& T_camera_surface, const CueStyle& style,
                         float alpha) const {
@@ -55,6 +67,7 @@ void SurfacePass::setUp(const Cue& cue, const Pose& T_camera_surface, const CueS
   const float octave = std::log2(span / kContoursInView);
   const float floor_octave = std::floor(octave);
 
+  view_.bind(kViewUnit);
   cue.program.use();
   glUniformMatrix3fv(cue.R, 1, GL_FALSE, R.data());
   glUniform3fv(cue.t, 1, t.data());

@@ -6,6 +6,7 @@
 #include "overlay/shader_program.hpp"
 #include "overlay/surface_prep.hpp"
 #include "overlay/vertex_buffer.hpp"
+#include "overlay/view_mask.hpp"
 #include "types/camera_model.hpp"
 #include "types/pose.hpp"
 
@@ -41,7 +42,8 @@ inline std::array<float, 2> clipDepths(float near_depth, float far_depth) {
 /// Draws a surface over the picture, bent as the lens bends it, in the style of the cue.
 class SurfacePass {
  public:
-  explicit SurfacePass(const CameraModel& camera);
+  /// Draws within `view`, which outlives it.
+  SurfacePass(const CameraModel& camera, const ViewMask& view);
 
   /// Into the bound framebuffer; replaces what is behind, `alpha` fades all of it.
   void draw(const SurfaceBuffers& surface, const Pose& T_camera_surface, const CueStyle& style,
@@ -62,6 +64,7 @@ class SurfacePass {
     return style.mode == CueMode::Mesh ? mesh_ : chromadepth_;
   }
 
+  const ViewMask& view_;
   Cue chromadepth_, mesh_;
 };
 

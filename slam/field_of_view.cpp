@@ -108,4 +108,25 @@ void FieldOfView::markSurroundings() {
              pixel(bottom, height_)};
 }
 
+ViewOutline FieldOfView::outline() const {
+  ViewOutline outline;
+  const int columns = surroundings_.columns();
+  for (int band = 0; band < ViewOutline::bands; ++band) {
+    const double y = (band + 0.5) * height_ / ViewOutline::bands - 0.5;
+    const auto seen = [&](int c) { return surroundings_.at((c + 0.5) * cell_ - 0.5, y) > 0; };
+    int left = 0, right = columns;
+    while (left < right && !seen(left)) ++left;
+    while (right > left && !seen(right - 1)) --right;
+    ViewOutline::Span& span = outline.spans[static_cast<std::size_t>(band)];
+    if (left == right) {
+      span = {0, 0};
+      continue;
+    }
+    // The surroundings may reach into the cell at their edge.
+    if (left > 0) span.left = static_cast<float>((left + 1) * cell_);
+    if (right < columns) span.right = static_cast<float>((right - 1) * cell_);
+  }
+  return outline;
+}
+
 }  // namespace depthscope::slam

@@ -6,6 +6,7 @@
 #include "slam/image_area.hpp"
 #include "slam/image_buffer.hpp"
 #include "slam/image_pyramid.hpp"
+#include "types/view_outline.hpp"
 
 namespace depthscope::slam {
 
@@ -26,6 +27,8 @@ class FieldOfView {
   double distance(double x, double y) const { return surroundings_.at(x, y); }
   /// The smallest area that holds the view [px of full resolution].
   const Area& bounds() const { return bounds_; }
+  /// The view's ends in every band of rows, to within a cell (about 7 px) on its inner side.
+  ViewOutline outline() const;
 
  private:
   void classify(const ImageBuffer& coarse);

@@ -57,6 +57,10 @@ bool SlamSystem::madeKeyframe() const {
   return impl_->tracker.madeKeyframe();
 }
 
+ViewOutline SlamSystem::view() const {
+  return impl_->tracker.view();
+}
+
 StageTimes SlamSystem::lastTimes() const {
   return impl_->times;
 }

@@ -9,6 +9,7 @@
 #include "types/image_view.hpp"
 #include "types/sparse_cloud.hpp"
 #include "types/tracking.hpp"
+#include "types/view_outline.hpp"
 
 namespace depthscope::slam {
 
@@ -55,6 +56,9 @@ class SlamSystem {
   /// Whether the last call of track() made its frame a keyframe, or handed it to the mapper to
   /// become one. From the thread that tracks.
   bool madeKeyframe() const;
+
+  /// The view of the scope in the last picture given to track(). From the thread that tracks.
+  ViewOutline view() const;
 
   StageTimes lastTimes() const;
   SlamStatistics statistics() const;

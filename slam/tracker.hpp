@@ -22,6 +22,7 @@ class Tracker {
 
   /// Whether the last frame became a keyframe or was handed to the mapper to become one.
   bool madeKeyframe() const { return made_keyframe_; }
+  ViewOutline view() const { return extractor_.fieldOfView().outline(); }
   double lastExtractMs() const { return extract_ms_; }
   int lostEvents() const { return lost_events_; }
   int relocalizations() const { return relocalizations_; }

@@ -34,9 +34,10 @@ vec4 cue(float t, float depth) {
 #endif
 
 void main() {
-  if (v_fade <= 0.0) discard;
+  float fade = min(v_fade, 1.0) * inView();
+  if (fade <= 0.0) discard;
   // 1 / w is 1 / depth, and there already.
   vec4 c = cue(inverseDepthPlace(gl_FragCoord.w, u_depth_scale), 1.0 / gl_FragCoord.w);
-  float a = c.a * v_fade * u_alpha;
+  float a = c.a * fade * u_alpha;
   o_color = vec4(c.rgb * a, a);
 }

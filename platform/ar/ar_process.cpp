@@ -93,6 +93,7 @@ void ArProcess::handlePicture() {
   ::eventfd_write(options_.pose_event.get(), 1);
   track_ms_.add(live_.slam().lastTimes().track_ms);
   ++status_.tracked_frames;
+  publishView();
   publishSurface();
   if (labels_.anchorWaiting(surface_, options_.camera, estimate_)) publishLabels();
   if (status_.tracked_frames % pictures_per_percentile == 1) {
@@ -110,6 +111,10 @@ void ArProcess::publishSurface() {
   }
   ++status_.surfaces;
   status_.reconstruct_p50_ms = live_.reconstructTimes().percentile(0.5);
+}
+
+void ArProcess::publishView() {
+  if (live_.takeView(view_)) memory_.block().view.write(encodeView(view_));
 }
 
 void ArProcess::publishLabels() {

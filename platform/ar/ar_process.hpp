@@ -23,6 +23,7 @@ class ArProcess {
   void handlePicture();
   void reset();
   void publishSurface();
+  void publishView();
   void publishLabels();
   void publishStatus();
 
@@ -31,6 +32,7 @@ class ArProcess {
   FrameRingReader frames_;
   SurfaceMailboxWriter surfaces_;
   LiveSlam live_;
+  ViewOutline view_;
   LabelBoard labels_;
   SurfaceMesh surface_;
   PoseEstimate estimate_;

@@ -1,5 +1,7 @@
 #include "platform/ar/live_slam.hpp"
 
+#include <utility>
+
 #include "platform/log.hpp"
 #include "types/allocation_scope.hpp"
 
@@ -27,6 +29,7 @@ PoseEstimate LiveSlam::track(const GrayView& luma, std::int64_t frame, double ti
   {
     const AllocationScope counted;
     estimate = slam_.track(luma, frame, timestamp_s);
+    view_changed_ |= view_.add(slam_.view(), timestamp_s);
   }
   if (estimate.map_id != map_id_) {
     worker_.cancel();
@@ -50,9 +53,16 @@ bool LiveSlam::takeSurface(SurfaceMesh& mesh) {
   return worker_.takeNewest(mesh) && mesh.map_id == map_id_;
 }
 
+bool LiveSlam::takeView(ViewOutline& view) {
+  if (!std::exchange(view_changed_, false)) return false;
+  view = view_.view();
+  return true;
+}
+
 void LiveSlam::reset() {
   worker_.cancel();
   slam_.reset();
+  view_.reset();
   schedule_.restart();
 }
 

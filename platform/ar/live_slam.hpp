@@ -2,6 +2,7 @@
 #include <mutex>
 #include <vector>
 
+#include "platform/ar/steady_view.hpp"
 #include "platform/histogram.hpp"
 #include "platform/surface_schedule.hpp"
 #include "recon/reconstruction_worker.hpp"
@@ -24,6 +25,8 @@ class LiveSlam {
   void setSurfacePeriod(double period_s) { schedule_ = SurfaceSchedule(period_s); }
   /// Swaps the newest surface into `mesh` if there is a new one, of the active map.
   bool takeSurface(SurfaceMesh& mesh);
+  /// The view of the scope, if it has changed since the last call. From the tracking thread.
+  bool takeView(ViewOutline& view);
   /// Forgets everything and starts over. From the tracking thread.
   void reset();
 
@@ -38,6 +41,8 @@ class LiveSlam {
   SurfaceSchedule schedule_;
   bool surface_wanted_ = false;
   std::uint32_t map_id_ = 0;
+  SteadyView view_;
+  bool view_changed_ = false;
   SparseCloud cloud_;
   mutable std::mutex times_mutex_;
   Histogram reconstruct_ms_;            // guarded by times_mutex_

@@ -62,6 +62,12 @@ void ArLink::update(overlay::Compositor& compositor) {
     forget(compositor);
   }
   if (starts % 2 == 0) return;
+  updateSurface(compositor);
+  updateLabels(compositor);
+  updateView(compositor);
+}
+
+void ArLink::updateSurface(overlay::Compositor& compositor) {
   switch (surfaces_.takeNewest(surface_)) {
     case SurfaceMailboxReader::Result::Taken:
       compositor.setSurface(surface_);
@@ -72,11 +78,24 @@ void ArLink::update(overlay::Compositor& compositor) {
     case SurfaceMailboxReader::Result::Nothing:
       break;
   }
+}
+
+void ArLink::updateLabels(overlay::Compositor& compositor) {
   std::uint64_t count = 0;
   if (!memory_.block().labels.read(wire_labels_, &count) || count == labels_seen_) return;
   labels_seen_ = count;
   if (decodeLabels(wire_labels_, labels_))
     compositor.setLabels(labels_);
+  else
+    reject();
+}
+
+void ArLink::updateView(overlay::Compositor& compositor) {
+  std::uint64_t count = 0;
+  if (!memory_.block().view.read(wire_view_, &count) || count == view_seen_) return;
+  view_seen_ = count;
+  if (decodeView(wire_view_, view_))
+    compositor.setView(view_);
   else
     reject();
 }

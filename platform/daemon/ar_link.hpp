@@ -34,7 +34,7 @@ class ArLink {
   /// Hands a picture to the AR process, if it has the camera file's size. `gray` is scratch for
   /// formats without a luma plane.
   void publish(const capture::Frame& frame, std::vector<std::uint8_t>& gray);
-  /// Brings the compositor's surface and labels up to date.
+  /// Brings the compositor's surface, labels and view up to date.
   void update(overlay::Compositor& compositor);
   /// Whether an AR process may find the pose of a picture of this size.
   bool expectsPose(int width, int height) const {
@@ -48,6 +48,9 @@ class ArLink {
 
  private:
   void forget(overlay::Compositor& compositor);
+  void updateSurface(overlay::Compositor& compositor);
+  void updateLabels(overlay::Compositor& compositor);
+  void updateView(overlay::Compositor& compositor);
   void reject() { rejected_.fetch_add(1, std::memory_order_relaxed); }
   bool fits(int width, int height) const;
 
@@ -61,8 +64,10 @@ class ArLink {
   std::atomic<std::uint32_t> starts_{0};  // odd: alive
   std::uint32_t starts_seen_ = 0;
   std::atomic<std::uint64_t> rejected_{0};
-  std::uint64_t labels_seen_ = 0;
+  std::uint64_t labels_seen_ = 0, view_seen_ = 0;
   WireLabels wire_labels_{};
+  WireView wire_view_{};
+  ViewOutline view_;
   std::vector<Label> labels_;
   SurfaceMesh surface_;
 };

@@ -41,6 +41,7 @@ struct SharedBlock {
   } frames[ring_slots];
   alignas(64) SeqlockBox<WirePose> pose;
   alignas(64) SeqlockBox<WireLabels> labels;
+  alignas(64) SeqlockBox<WireView> view;
   alignas(64) SeqlockBox<WireArStatus> status;
   alignas(64) seqlock::Word surfaces_published;  // buffer of surface n (from 1): n % 2
   struct SurfaceSlot {

@@ -98,6 +98,23 @@ bool decodeLabels(const WireLabels& wire, std::vector<Label>& labels) {
   return true;
 }
 
+WireView encodeView(const ViewOutline& view) {
+  WireView wire{};
+  for (std::size_t i = 0; i < view.spans.size(); ++i) {
+    wire.ends[i][0] = view.spans[i].left;
+    wire.ends[i][1] = view.spans[i].right;
+  }
+  return wire;
+}
+
+bool decodeView(const WireView& wire, ViewOutline& view) {
+  for (const auto& ends : wire.ends)
+    if (!std::isfinite(ends[0]) || !std::isfinite(ends[1])) return false;
+  for (std::size_t i = 0; i < view.spans.size(); ++i)
+    view.spans[i] = {wire.ends[i][0], wire.ends[i][1]};
+  return true;
+}
+
 bool plausible(const WireArStatus& s) {
   const auto time = [](double ms) { return std::isfinite(ms) && ms >= 0; };
   return s.keyframes >= 0 && s.map_points >= 0 && s.maps >= 0 && s.lost_events >= 0 &&

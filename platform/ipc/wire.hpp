@@ -7,6 +7,7 @@
 #include "platform/label_anchor.hpp"
 #include "types/label.hpp"
 #include "types/tracking.hpp"
+#include "types/view_outline.hpp"
 
 namespace depthscope::platform {
 
@@ -39,6 +40,11 @@ struct WireLabels {
   std::array<WireLabel, max_wire_labels> labels;
 };
 
+/// The view of the scope: left and right end of every band [px], as in ViewOutline.
+struct WireView {
+  float ends[ViewOutline::bands][2];
+};
+
 /// How the AR process is doing. Counters only: shown, never acted upon.
 struct WireArStatus {
   std::uint64_t beats;  // grows as long as the AR process lives, pictures or not
@@ -62,6 +68,9 @@ bool decodePose(const WirePose& wire, PoseEstimate& estimate);
 WireLabels encodeLabels(std::span<const Label> labels);
 /// `labels` keeps its capacity.
 bool decodeLabels(const WireLabels& wire, std::vector<Label>& labels);
+
+WireView encodeView(const ViewOutline& view);
+bool decodeView(const WireView& wire, ViewOutline& view);
 
 /// True unless a number in it is not finite or negative.
 bool plausible(const WireArStatus& status);

@@ -1,4 +1,5 @@
 #include "capture/pixel_convert.hpp"
+#include "platform/ar/steady_view.hpp"
 #include "platform/label_board.hpp"
 #include "platform/replay/replay_clip.hpp"
 #include "platform/surface_schedule.hpp"
@@ -64,6 +65,8 @@ class LockstepReplay {
 
   void show(const capture::Frame& frame, const PoseEstimate& estimate) {
     if (recorder_ == nullptr) return;
+    if (view_.add(slam_.view(), estimate.timestamp_s))
+      recorder_->compositor().setView(view_.view());
     recorder_->show(frame, overlayState(estimate, estimate.timestamp_s), estimate.frame,
                     VideoQueue::WhenFull::Wait, result_.record.metrics().composite);
   }
@@ -80,6 +83,7 @@ class LockstepReplay {
   OverlayRecorder* recorder_;
   slam::SlamSystem slam_;
   recon::Reconstructor reconstructor_;
+  SteadyView view_;
   LabelBoard labels_;
   std::vector<std::uint8_t> gray_;
   SurfaceSchedule schedule_;

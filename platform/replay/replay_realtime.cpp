@@ -48,6 +48,7 @@ class RealtimeReplay {
 
   void show(const capture::Frame& frame) {
     const PoseEstimate estimate = tracking_.newest();
+    if (tracking_.takeView(view_)) recorder_->compositor().setView(view_);
     if (tracking_.takeSurface(surface_)) {
       recorder_->compositor().setSurface(surface_);
       if (labels_.anchorWaiting(surface_, options_.camera, estimate))
@@ -80,6 +81,7 @@ class RealtimeReplay {
   LabelBoard labels_;
   std::vector<std::uint8_t> gray_;
   SurfaceMesh surface_;
+  ViewOutline view_;
   Histogram composite_ms_;
   TrackingThread tracking_;  // last: its thread ends first
 };

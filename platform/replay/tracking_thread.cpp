@@ -49,6 +49,13 @@ bool TrackingThread::takeSurface(SurfaceMesh& mesh) {
   return true;
 }
 
+bool TrackingThread::takeView(ViewOutline& view) {
+  const std::lock_guard lock(mutex_);
+  if (!std::exchange(has_view_, false)) return false;
+  view = view_;
+  return true;
+}
+
 void TrackingThread::run() {
   try {
     loop();
@@ -76,6 +83,7 @@ void TrackingThread::loop() {
     const bool new_surface = live_.takeSurface(mesh);
     const std::lock_guard lock(mutex_);
     newest_ = estimate;
+    has_view_ |= live_.takeView(view_);
     if (!new_surface) continue;
     std::swap(mesh, surface_);
     has_surface_ = true;

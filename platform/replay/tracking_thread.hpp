@@ -24,6 +24,8 @@ class TrackingThread {
   PoseEstimate newest() const;
   /// Swaps the newest surface into `mesh` if there is a new one.
   bool takeSurface(SurfaceMesh& mesh);
+  /// The view of the scope, if it has changed since the last call.
+  bool takeView(ViewOutline& view);
   /// Tracks what waits and ends the thread. Throws like offer().
   void stop();
 
@@ -50,6 +52,8 @@ class TrackingThread {
   PoseEstimate newest_;
   SurfaceMesh surface_;
   bool has_surface_ = false;
+  ViewOutline view_;
+  bool has_view_ = false;
   std::exception_ptr error_;
   std::thread thread_;
 };

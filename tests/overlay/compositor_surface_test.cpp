@@ -192,7 +192,7 @@ TEST(CompositorSurface, ANewOneReplacesTheOldInACrossFade) {
   EXPECT_EQ(alphaAt(10.0, 80), 0);
   EXPECT_NEAR(alphaAt(10.2, 80), 127, 2);
   EXPECT_EQ(alphaAt(10.4, 80), 255);
-  compositor.setSurface(wall(1, 30, -25, 25, 50, 52, 8));
+  compositor.setSurface(wall(1, 30, -25, 25, 50, 52, 21));  // of another number of vertices
   EXPECT_EQ(alphaAt(12.0, 80), 255);
   EXPECT_EQ(alphaAt(12.0, 240), 0);
   EXPECT_NEAR(alphaAt(12.1, 80), 191, 2);
@@ -201,6 +201,42 @@ TEST(CompositorSurface, ANewOneReplacesTheOldInACrossFade) {
   EXPECT_EQ(alphaAt(12.4, 240), 255);
   compositor.setSurface(wall(-30, -1, -25, 25, 50, 52, 8));
   EXPECT_EQ(alphaAt(-1, 80), 255) << "without a time the new one is there at once";
+}
+
+TEST(CompositorSurface, IsDrawnWithinTheViewOfTheScopeOnly) {
+  for (CueMode cue : {CueMode::Chromadepth, CueMode::Mesh}) {
+    OverlaySettings settings = plainSettings();
+    settings.cue = cue;
+    Compositor compositor(testCamera(), settings);
+    compositor.setSurface(wall(-60, 60, -50, 50, 50, 52, 8));
+    const int whole = layerOf(compositor, tracking()).covered(0, kBelowMark, 320, 240);
+    EXPECT_EQ(whole, 320 * (240 - kBelowMark));
+    // A round view of radius 90 around (170, 130).
+    ViewOutline view;
+    const auto halfWidth = [](double y) {
+      const double d = 90.0 * 90.0 - (y - 130) * (y - 130);
+      return d > 0 ? std::sqrt(d) : 0.0;
+    };
+    for (int b = 0; b < ViewOutline::bands; ++b) {
+      const double half = halfWidth((b + 0.5) * 240 / ViewOutline::bands - 0.5);
+      view.spans[static_cast<std::size_t>(b)] = {static_cast<float>(170 - half),
+                                                 static_cast<float>(170 + half)};
+    }
+    compositor.setView(view);
+    const Image layer = layerOf(compositor, tracking());
+    for (int y = kBelowMark; y < 240; ++y)
+      for (int x = 0; x < 320; ++x) {
+        const double r = std::hypot(x - 170, y - 130);
+        if (r > 91) {
+          ASSERT_EQ(layer.at(x, y)[3], 0) << x << " " << y;
+        }
+        if (r < 82) {
+          ASSERT_GT(layer.at(x, y)[3], 10) << x << " " << y;
+        }
+      }
+    compositor.setView({});
+    EXPECT_EQ(layerOf(compositor, tracking()).covered(0, kBelowMark, 320, 240), whole);
+  }
 }
 
 }  // namespace

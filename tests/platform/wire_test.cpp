@@ -175,5 +175,20 @@ TEST(Wire, DecodersSurviveGarbage) {
   }
 }
 
+TEST(Wire, AViewComesBackAsItWasAndOneWithNumbersThatAreNoneIsRefused) {
+  ViewOutline sent, got;
+  sent.spans[3] = {12.5f, 300};
+  sent.spans[4] = {0, 0};
+  ASSERT_TRUE(decodeView(encodeView(sent), got));
+  EXPECT_EQ(got, sent);
+  for (float bad :
+       {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    WireView wire = encodeView(ViewOutline());
+    wire.ends[100][1] = bad;
+    EXPECT_FALSE(decodeView(wire, got));
+    EXPECT_EQ(got, sent);
+  }
+}
+
 }  // namespace
 }  // namespace depthscope::platform

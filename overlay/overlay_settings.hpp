@@ -27,6 +27,7 @@ struct OverlaySettings {
   float border_fade = 0.03f;     // width of the surface's soft border, of the mesh
   float inset_turn_deg = 50;     // of the turned-aside view, about the picture's vertical axis
   float inset_width = 0.25f;     // of the picture's width
+  int max_triangles = 30000;     // drawn of a surface; one of more is made coarser before
   int max_labels = 32;           // memory is set aside for so many; later ones are left out
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "overlay/overlay_settings.hpp"
+#include "overlay/vertex_clusters.hpp"
 #include "types/surface_mesh.hpp"
 
 namespace depthscope::overlay {
@@ -38,9 +39,9 @@ struct PreparedSurface {
 
 /// Turns a mesh into what the shaders want: visibility that falls towards the border and with
 /// confidence, wires that need no geometry shader, large triangles cut small so that a lens can
-/// bend them, and a coarse copy for the corner picture. Deterministic; linear in the triangles.
-/// What is broken in the mesh (indices out of range, non-finite vertices, missing arrays) is left
-/// out.
+/// bend them, and a coarse copy for the corner picture. A mesh of more triangles than the settings
+/// have drawn is made coarser first. Deterministic; linear in the triangles. What is broken in the
+/// mesh (indices out of range, non-finite vertices, missing arrays) is left out.
 class SurfacePrep {
  public:
   /// No edge stays longer than 1/40 of the bounding box's diagonal.
@@ -57,21 +58,18 @@ class SurfacePrep {
   bool collect(const SurfaceMesh& mesh, PreparedSurface& out);
   void findBorderDistance(float width);
   void computeFade(const SurfaceMesh& mesh, float border_width);
+  void makeCoarser(std::size_t max_triangles, float diagonal);
   void emitShared(const Triangle& t, PreparedSurface& out);
   void emitCut(const Triangle& t, float max_edge, PreparedSurface& out);
-  void cluster(const SurfaceMesh& mesh, PreparedSurface& out);
+  void emitInset(PreparedSurface& out);
 
-  std::vector<Triangle> triangles_;             // the sound ones
-  std::vector<Eigen::Vector3f> points_;         // relative to origin
+  FadingMesh mesh_;                             // the sound triangles
+  FadingMesh coarse_;                           // workspace
   std::vector<std::uint32_t> first_, targets_;  // half-edges by their first vertex
   std::vector<float> border_distance_;
-  std::vector<float> fade_;
   std::vector<std::array<std::uint32_t, 3>> copies_;  // of each vertex, by wire colour
   std::vector<std::array<Corner, 3>> stack_;
-  std::vector<std::uint32_t> cell_;
-  std::vector<std::uint32_t> cell_table_;
-  std::vector<Eigen::Vector3f> cell_position_, cell_normal_;
-  std::vector<float> cell_fade_, cell_count_;
+  VertexClusters clusters_;
 };
 
 }  // namespace depthscope::overlay

@@ -193,6 +193,8 @@ void checkConsistency(const Settings& settings) {
           settings.recon.max_points);
   ordered("recon.poisson_min_depth", settings.recon.poisson_min_depth, "recon.poisson_max_depth",
           settings.recon.poisson_max_depth);
+  ordered("recon.max_triangles", settings.recon.max_triangles, "daemon.max_triangles",
+          settings.daemon.max_triangles);
   ordered("overlay.gone_confidence", settings.overlay.gone_confidence, "overlay.full_confidence",
           settings.overlay.full_confidence);
   parseModeRequest(settings.display.mode);

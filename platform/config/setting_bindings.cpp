@@ -220,6 +220,8 @@ void bindOverlay(Binder& b, overlay::OverlaySettings& s) {
   b.number("label_height_px", s.label_height_px, 0, 400,
            "of the text; 0: from the picture's height");
   b.text("font_file", s.font_file, "TrueType file; empty: DejaVu Sans where Debian puts it");
+  b.number("max_triangles", s.max_triangles, 1000, 1000000,
+           "drawn of a surface; one of more is made coarser first");
   b.number("max_labels", s.max_labels, 0, 256,
            "memory is set aside for so many; later ones are left out");
 }
@@ -244,13 +246,13 @@ void bindDisplay(Binder& b, DisplaySettings& s) {
   b.text("mode", s.mode,
          "for \"kms\": WIDTHxHEIGHT or WIDTHxHEIGHT@HZ; \"auto\": the picture's own size and rate "
          "where the monitor has it");
-}
-
   b.choice("registration", s.registration, {"lowest-latency", "exact"},
            "\"lowest-latency\" shows the picture at once, with the newest pose carried on to its "
            "time; \"exact\" lets it wait for the pose that is found in it");
   b.number("exact_wait", s.exact_wait, 0.1, 0.9,
            "[frame intervals] most that a picture waits for that");
+}
+
 void bindFootswitch(Binder& b, FootswitchSettings& s) {
   b.section("footswitch");
   b.live(true);
@@ -271,13 +273,6 @@ void bindFootswitch(Binder& b, FootswitchSettings& s) {
   b.number("key", s.key, 0, 767, "its key, by number in linux/input-event-codes.h; 0: any");
 }
 
-void bindDaemon(Binder& b, DaemonSettings& s) {
-  b.section("daemon");
-  b.text("control_socket", s.control_socket, "where depthscope status and the like connect to");
-  b.text("state_dir", s.state_dir, "folder for snapshots");
-  b.text("ar_program", s.ar_program, "the AR process; empty: depthscope-ar beside depthscoped");
-  b.number("realtime_priority", s.realtime_priority, 0, 99,
-           "SCHED_FIFO priority of the video loop; 0: ordinary");
 void bindHeartbeat(Binder& b, HeartbeatSettings& s) {
   b.section("heartbeat");
   b.text("line", s.line,
@@ -288,6 +283,13 @@ void bindHeartbeat(Binder& b, HeartbeatSettings& s) {
   b.flag("active_low", s.active_low, "the line starts high");
 }
 
+void bindDaemon(Binder& b, DaemonSettings& s) {
+  b.section("daemon");
+  b.text("control_socket", s.control_socket, "where depthscope status and the like connect to");
+  b.text("state_dir", s.state_dir, "folder for snapshots");
+  b.text("ar_program", s.ar_program, "the AR process; empty: depthscope-ar beside depthscoped");
+  b.number("realtime_priority", s.realtime_priority, 0, 99,
+           "SCHED_FIFO priority of the video loop; 0: ordinary");
   b.flag("lock_memory", s.lock_memory, "keep all pages of the video process in memory");
   b.number("restart_min_s", s.restart_min_s, 0.01, 60,
            "first wait before the AR process is started again");
@@ -316,9 +318,9 @@ std::vector<Setting> settingTable(Settings& settings) {
   bindOverlay(binder, settings.overlay);
   bindDisplay(binder, settings.display);
   bindFootswitch(binder, settings.footswitch);
+  bindHeartbeat(binder, settings.heartbeat);
   bindDaemon(binder, settings.daemon);
   return binder.take();
 }
 
 }  // namespace depthscope::platform
-  bindHeartbeat(binder, settings.heartbeat);

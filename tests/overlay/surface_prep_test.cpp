@@ -99,10 +99,46 @@ TEST(SurfacePrep, LeavesOutWhatIsBroken) {
 
 TEST(SurfacePrep, KeepsACoarseCopyForTheCorner) {
   PreparedSurface out;
-  SurfacePrep().prepare(wall(-10, 10, -10, 10, 50, 50, 150), plainSettings(), out);
+  OverlaySettings settings = plainSettings();
+  settings.max_triangles = 100000;
+  SurfacePrep().prepare(wall(-10, 10, -10, 10, 50, 50, 150), settings, out);
   EXPECT_EQ(out.indices.size(), 3u * 2 * 150 * 150);
   EXPECT_LT(out.inset_indices.size(), out.indices.size() / 8);
   EXPECT_GT(out.inset_indices.size(), 3000u);
+}
+
+TEST(SurfacePrep, ADenseSurfaceIsDrawnWithFewerTrianglesAndLooksTheSame) {
+  // A dome, fading to one side.
+  SurfaceMesh mesh = wall(-10, 10, -10, 10, 50, 50, 220);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    Eigen::Vector3f& v = mesh.vertices[i];
+    v.z() = 50 + 0.1f * v.head<2>().squaredNorm();
+    mesh.confidence[i] = v.x() < 0 ? 0.2f : 1.0f;
+  }
+  OverlaySettings settings = plainSettings();
+  settings.max_triangles = 20000;
+  PreparedSurface out;
+  SurfacePrep().prepare(mesh, settings, out);
+  EXPECT_LE(out.indices.size(), 3u * 20000);
+  EXPECT_GT(out.indices.size(), 3u * 10000) << "no coarser than it must be";
+  double area = 0;
+  for (std::size_t i = 0; i < out.indices.size(); i += 3) {
+    Eigen::Vector3f p[3];
+    for (std::size_t k = 0; k < 3; ++k) p[k] = position(out.vertices[out.indices[i + k]]);
+    area += 0.5 * std::abs((p[1] - p[0]).head<2>().x() * (p[2] - p[0]).y() -
+                           (p[1] - p[0]).y() * (p[2] - p[0]).x());
+  }
+  EXPECT_NEAR(area, 400, 8) << "without holes or folds";
+  for (const SurfaceVertex& v : out.vertices) {
+    const Eigen::Vector3f p = position(v) + out.origin.cast<float>();
+    EXPECT_NEAR(p.z(), 50 + 0.1f * p.head<2>().squaredNorm(), 0.02f);
+    if (p.x() < -0.2f) {
+      EXPECT_LT(v.fade, 80);
+    }
+    if (p.x() > 0.2f) {
+      EXPECT_GT(v.fade, 250);
+    }
+  }
 }
 
 }  // namespace

@@ -11,6 +11,10 @@ namespace {
 
 using Eigen::Vector2f;
 
+// From nothing to the whole overlay. Tracking that is lost for a picture or two dims it for a
+// moment, where it would flash otherwise.
+constexpr double kAppear_s = 0.2;
+
 int labelTextPx(const OverlaySettings& s, int height) {
   return s.label_height_px > 0 ? static_cast<int>(std::lround(s.label_height_px))
                                : std::max(12, height / 34);
@@ -122,12 +126,19 @@ double OverlayRenderer::advance(double time_s) {
   return dt;
 }
 
+/// The overlay goes at once and comes back gently; at once too where the time is unknown.
+float OverlayRenderer::easeIn(float alpha, double dt_s) {
+  const auto step = static_cast<float>(dt_s / kAppear_s);
+  alpha_ = dt_s >= 0 ? std::min(alpha, alpha_ + step) : alpha;
+  return alpha_;
+}
+
 std::optional<PixelRect> OverlayRenderer::draw(int width, int height, const OverlayState& state,
                                                const PixelRect& mark) {
   if (!prepare(width, height)) return std::nullopt;
   const double dt_s = advance(state.time_s);
   const bool camera_size = width == camera_.width && height == camera_.height;
-  const float alpha = camera_size ? poseAlpha(state, settings_) : 0.0f;
+  const float alpha = easeIn(camera_size ? poseAlpha(state, settings_) : 0.0f, dt_s);
   if (alpha <= 0 || settings_.cue == CueMode::Off) return PixelRect{};
   layer_.beginSolid();
   drawTissueCues(state, dt_s, alpha, mark);

@@ -41,6 +41,7 @@ class OverlayRenderer {
                float alpha);
   void addLabels(const OverlayState& state, const PixelRect& mark, bool inset);
   double advance(double time_s);
+  float easeIn(float alpha, double dt_s);
 
   CameraModel camera_;
   OverlaySettings settings_;
@@ -58,6 +59,7 @@ class OverlayRenderer {
   Ink ink_;
   std::optional<TextAtlas> atlas_;  // made for the picture's size
   double last_time_s_ = -1;
+  float alpha_ = 0;  // of the picture before
 };
 
 }  // namespace depthscope::overlay

@@ -200,5 +200,25 @@ TEST(CompositorState, NamesAFontThatIsMissing) {
   EXPECT_THROW(Compositor(testCamera(), settings), InputError);
 }
 
+TEST(CompositorState, TheOverlayGoesAtOnceAndComesBackGently) {
+  OverlaySettings settings = plainSettings();
+  settings.opacity = 1;
+  Compositor compositor(testCamera(), settings);
+  compositor.setSurface(wall(-30, 30, -25, 25, 50, 52, 8));
+  OverlayState state = tracking();
+  const auto alphaAt = [&](double time, Status status) {
+    state.time_s = time;
+    state.status = status;
+    return static_cast<int>(layerOf(compositor, state).at(160, 120)[3]);
+  };
+  EXPECT_EQ(alphaAt(5.0, Status::Tracking), 255);
+  EXPECT_EQ(alphaAt(5.033, Status::Lost), 0);
+  EXPECT_NEAR(alphaAt(5.083, Status::Tracking), 64, 2);
+  EXPECT_NEAR(alphaAt(5.133, Status::Tracking), 128, 2);
+  EXPECT_EQ(alphaAt(5.233, Status::Tracking), 255);
+  state.confidence = 0.2f;
+  EXPECT_NEAR(alphaAt(5.266, Status::Tracking), 128, 2) << "doubt is shown at once";
+}
+
 }  // namespace
 }  // namespace depthscope::overlay

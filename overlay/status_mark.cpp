@@ -40,11 +40,11 @@ std::string_view markText(Mark mark) {
     case Mark::Tracking:
       return "tracking";
     case Mark::Uncertain:
-      return "uncertain";
+      return "tracking uncertain";
     case Mark::Lost:
-      return "lost";
+      return "tracking lost";
     case Mark::Stale:
-      return "stale";
+      return "AR is late";
     case Mark::NoSignal:
       return "no signal";
   }

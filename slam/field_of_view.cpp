@@ -6,7 +6,9 @@
 namespace depthscope::slam {
 namespace {
 
-constexpr int kStep = 2;  // [px of the coarsest level] per cell
+constexpr int kStep = 2;   // [px of the coarsest level] per cell
+constexpr int kReach = 4;  // [cells] around the first and last one seen, where an end is looked for
+constexpr float kEdge = 0.006f;  // width of the view's blurred edge, of the picture's height
 
 enum Region : std::uint8_t { kBright, kDark, kSurroundings, kPiece, kView };
 
@@ -108,25 +110,34 @@ void FieldOfView::markSurroundings() {
              pixel(bottom, height_)};
 }
 
-ViewOutline FieldOfView::outline() const {
+ViewOutline FieldOfView::outline(const ImagePyramid& pyramid) const {
   ViewOutline outline;
-  const int columns = surroundings_.columns();
   for (int band = 0; band < ViewOutline::bands; ++band) {
-    const double y = (band + 0.5) * height_ / ViewOutline::bands - 0.5;
-    const auto seen = [&](int c) { return surroundings_.at((c + 0.5) * cell_ - 0.5, y) > 0; };
-    int left = 0, right = columns;
-    while (left < right && !seen(left)) ++left;
-    while (right > left && !seen(right - 1)) --right;
-    ViewOutline::Span& span = outline.spans[static_cast<std::size_t>(band)];
-    if (left == right) {
-      span = {0, 0};
-      continue;
-    }
-    // The surroundings may reach into the cell at their edge.
-    if (left > 0) span.left = static_cast<float>((left + 1) * cell_);
-    if (right < columns) span.right = static_cast<float>((right - 1) * cell_);
+    const int y = static_cast<int>((band + 0.5) * height_ / ViewOutline::bands);
+    outline.spans[static_cast<std::size_t>(band)] = spanAt(pyramid.level(0).row(y), y);
   }
   return outline;
+}
+
+/// Which cells of a row are seen tells where to look for the ends; its pixels tell where they are.
+ViewOutline::Span FieldOfView::spanAt(const std::uint8_t* row, double y) const {
+  const int columns = surroundings_.columns();
+  const auto seen = [&](int c) { return surroundings_.at((c + 0.5) * cell_ - 0.5, y) > 0; };
+  int first = 0, last = columns - 1;
+  while (first <= last && !seen(first)) ++first;
+  while (last >= first && !seen(last)) --last;
+  if (first > last) return {0, 0};
+  const auto pixel = [&](int c) { return std::clamp(static_cast<int>(c * cell_), 0, width_ - 1); };
+  // A cell is one look at the coarsest level, not quite in this row: the end is some cells around.
+  int left = pixel(first - kReach), right = pixel(last + 1 + kReach);
+  const int left_most = pixel(first + kReach), right_least = pixel(last + 1 - kReach);
+  while (left < left_most && row[left] <= dark_threshold_) ++left;
+  while (right > right_least && row[right] <= dark_threshold_) --right;
+  const float margin = kEdge * static_cast<float>(height_);
+  ViewOutline::Span span;
+  if (left > 0) span.left = static_cast<float>(left) + margin;
+  if (right < width_ - 1) span.right = static_cast<float>(right + 1) - margin;
+  return span;
 }
 
 }  // namespace depthscope::slam

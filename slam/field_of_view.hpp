@@ -27,14 +27,16 @@ class FieldOfView {
   double distance(double x, double y) const { return surroundings_.at(x, y); }
   /// The smallest area that holds the view [px of full resolution].
   const Area& bounds() const { return bounds_; }
-  /// The view's ends in every band of rows, to within a cell (about 7 px) on its inner side.
-  ViewOutline outline() const;
+  /// The view's ends in every band of rows, looked up in the full resolution of the picture that
+  /// update() was given last; a few pixels inside, for optics and compression blur the edge.
+  ViewOutline outline(const ImagePyramid& pyramid) const;
 
  private:
   void classify(const ImageBuffer& coarse);
   bool floodSurroundings();
   void keepLargestPiece();
   void markSurroundings();
+  ViewOutline::Span spanAt(const std::uint8_t* row, double y) const;
   /// Turns the cells that are `from` and connected to (column, row) into `to`; returns their
   /// number.
   int flood(int column, int row, std::uint8_t from, std::uint8_t to);

@@ -22,7 +22,7 @@ class Tracker {
 
   /// Whether the last frame became a keyframe or was handed to the mapper to become one.
   bool madeKeyframe() const { return made_keyframe_; }
-  ViewOutline view() const { return extractor_.fieldOfView().outline(); }
+  ViewOutline view() const { return extractor_.fieldOfView().outline(extractor_.pyramid()); }
   double lastExtractMs() const { return extract_ms_; }
   int lostEvents() const { return lost_events_; }
   int relocalizations() const { return relocalizations_; }

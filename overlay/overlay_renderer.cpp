@@ -36,6 +36,7 @@ OverlayRenderer::OverlayRenderer(const CameraModel& camera, const OverlaySetting
       settings_(settings),
       max_labels_(std::max(settings.max_labels, 0)),
       rasterizer_(settings.font_file),
+      view_(camera.width, camera.height),
       surface_pass_(camera, view_),
       inset_(camera, settings),
       labels_(camera, max_labels_) {

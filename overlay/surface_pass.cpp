@@ -10,16 +10,14 @@ namespace depthscope::overlay {
 namespace {
 
 constexpr float kContoursInView = 14;
-constexpr GLuint kViewUnit = 1;      // of the textures; 0 is for everybody
-constexpr float kViewEdge = 0.012f;  // width of the soft edge at the view's border, of the height
+constexpr GLuint kViewUnit = 1;  // of the textures; 0 is for everybody
 
 /// Uniforms of view.glsl that never change.
-void setView(const ShaderProgram& program, const CameraModel& camera) {
+void setView(const ShaderProgram& program, const CameraModel& camera, const ViewMask& view) {
   program.use();
-  const auto height = static_cast<float>(camera.height);
   glUniform1i(program.uniform("u_view"), kViewUnit);
-  glUniform2f(program.uniform("u_view_scale"), ViewOutline::bands / height,
-              1 / (kViewEdge * height));
+  glUniform2f(program.uniform("u_view_scale"),
+              ViewOutline::bands / static_cast<float>(camera.height), 1 / view.edge());
 }
 
 /// Uniforms of lens.glsl that never change.
@@ -39,7 +37,7 @@ void setLens(const ShaderProgram& program, const CameraModel& camera) {
 
 }  // namespace
 
-SurfacePass::Cue::Cue(const CameraModel& camera, const char* define)
+SurfacePass::Cue::Cue(const CameraModel& camera, const ViewMask& view, const char* define)
     : program("surface", {define, shader_text::lens, shader_text::surface_vert},
               {define, shader_text::ramp, shader_text::view, shader_text::surface_frag}),
       R(program.uniform("u_R_camera_surface")),
@@ -50,11 +48,11 @@ SurfacePass::Cue::Cue(const CameraModel& camera, const char* define)
       opacity(program.uniform("u_opacity")),
       alpha(program.uniform("u_alpha")) {
   setLens(program, camera);
-  setView(program, camera);
+  setView(program, camera, view);
 }
 
 SurfacePass::SurfacePass(const CameraModel& camera, const ViewMask& view)
-    : view_(view), chromadepth_(camera, ""), mesh_(camera, "#define CUE_MESH\n") {}
+    : view_(view), chromadepth_(camera, view, ""), mesh_(camera, view, "#define CUE_MESH\n") {}
 
 void SurfacePass::setUp(const Cue& cue, const Pose& T_camera_surface, const CueStyle& style,
                         float alpha) const {

@@ -54,7 +54,7 @@ class SurfacePass {
 
  private:
   struct Cue {
-    Cue(const CameraModel& camera, const char* define);
+    Cue(const CameraModel& camera, const ViewMask& view, const char* define);
     ShaderProgram program;
     GLint R, t, clip_depths, depth_scale, contour, opacity, alpha;
   };

@@ -5,12 +5,12 @@
 namespace depthscope::overlay {
 namespace {
 
-// Ends beyond the picture: any lens' picture is smaller, and differences stay exact.
-constexpr float kFar = 65536;
+constexpr float kEdge = 0.012f;  // width of the soft edge, of the picture's height
 
 }  // namespace
 
-ViewMask::ViewMask() {
+ViewMask::ViewMask(int width, int height)
+    : width_(static_cast<float>(width)), edge_(kEdge * static_cast<float>(height)) {
   glBindTexture(GL_TEXTURE_2D, ends_.name());
   glTexStorage2D(GL_TEXTURE_2D, 1, GL_RG32F, ViewOutline::bands, 1);
   for (GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
@@ -23,7 +23,9 @@ void ViewMask::set(const ViewOutline& view) {
   const auto emptyAt = [&](std::size_t i) { return i < ends.size() && view.spans[i].empty(); };
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const ViewOutline::Span& span = view.spans[i];
-    ends[i] = {std::clamp(span.left, -kFar, kFar), std::clamp(span.right, -kFar, kFar)};
+    // An end beyond the picture lies so far out that nothing is soft at the border, and no farther,
+    // so that the edge runs on smoothly from where it leaves the picture.
+    ends[i] = {std::max(span.left, -edge_), std::min(span.right, width_ + edge_)};
     // Where the view ends upwards or downwards it tapers off within its last band.
     if (emptyAt(i + 1) || emptyAt(i - 1)) ends[i].fill(0.5f * (ends[i][0] + ends[i][1]));
   }

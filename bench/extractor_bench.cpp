@@ -3,15 +3,13 @@
 // sample clip.
 #include <benchmark/benchmark.h>
 
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <opencv2/core/utility.hpp>
-#include <opencv2/features2d.hpp>
 #include <vector>
 
-#include "capture/file_source.hpp"
-#include "capture/pixel_convert.hpp"
+#include "bench/luma_reader.hpp"
+#include "bench/opencv_orb.hpp"
 #include "slam/image_buffer.hpp"
 #include "slam/orb_extractor.hpp"
 #include "types/error.hpp"
@@ -25,17 +23,11 @@ constexpr int kPictures = 100;
 std::vector<ImageBuffer> pictures;
 
 void readPictures(const std::filesystem::path& clip) {
-  depthscope::capture::FileSourceSettings settings;
-  settings.path = clip;
-  const auto source = depthscope::capture::openFileSource(settings);
-  std::vector<std::uint8_t> gray;
+  depthscope::bench::LumaReader reader(clip);
   while (pictures.size() < kPictures) {
-    const auto result = source->read(std::chrono::seconds(1));
-    if (result.status != depthscope::capture::SourceStatus::Ok) break;
-    const int width = result.frame.format.width, height = result.frame.format.height;
-    gray.resize(static_cast<std::size_t>(width) * height);
-    depthscope::capture::toGray(result.frame, gray);
-    pictures.emplace_back(width, height).assign({gray.data(), width, height, width});
+    const depthscope::GrayView picture = reader.next();
+    if (picture.empty()) break;
+    pictures.emplace_back(picture.width, picture.height).assign(picture);
   }
   if (pictures.empty()) throw depthscope::InputError(clip.string() + ": no pictures in the clip");
 }
@@ -62,20 +54,10 @@ void ours(benchmark::State& state, depthscope::slam::SimdPath path) {
 }
 
 void yardstick(benchmark::State& state) {
-  const depthscope::slam::ExtractorSettings settings;
-  const auto orb = cv::ORB::create(settings.features, static_cast<float>(settings.scale_factor),
-                                   settings.levels, 31, 0, 2, cv::ORB::FAST_SCORE, 31, 20);
-  std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;
+  depthscope::bench::OpenCvOrb orb;
   std::size_t i = 0;
   double found = 0;
-  for (auto _ : state) {
-    ImageBuffer& picture = pictures[i++ % pictures.size()];
-    const cv::Mat image(picture.height(), picture.width(), CV_8U, picture.row(0),
-                        static_cast<std::size_t>(picture.stride()));
-    orb->detectAndCompute(image, cv::noArray(), keypoints, descriptors);
-    found += static_cast<double>(keypoints.size());
-  }
+  for (auto _ : state) found += orb(pictures[i++ % pictures.size()].view());
   state.counters["features"] = found / static_cast<double>(i);
 }
 
@@ -84,7 +66,7 @@ void yardstick(benchmark::State& state) {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   try {
-    readPictures(argc > 1 ? argv[1] : DEPTHSCOPE_SAMPLE);
+    readPictures(argc > 1 ? argv[1] : DEPTHSCOPE_SAMPLE "/video.mp4");
   } catch (const depthscope::InputError& error) {
     std::fprintf(stderr, "extractor_bench: %s\n", error.what());
     return 2;

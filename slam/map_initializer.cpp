@@ -6,7 +6,8 @@ namespace {
 
 TwoViewSettings twoViewSettings(const InitializerSettings& s) {
   TwoViewSettings t;
-  t.min_parallax_deg = s.min_parallax_deg;
+  t.sigma_px = s.sigma_px;
+  t.max_depth_sigma = s.max_depth_sigma / s.initial_parallax;
   t.min_inliers = s.min_points;
   return t;
 }

@@ -156,7 +156,7 @@ std::optional<Keypoint> OrbExtractor::keypointAt(const Corner& corner, int l) co
   k.y = static_cast<float>(captured.y());
   k.ux = static_cast<float>(undistorted->pixel.x());
   k.uy = static_cast<float>(undistorted->pixel.y());
-  k.sigma = static_cast<float>(scale * undistorted->magnification);
+  k.sigma = static_cast<float>(settings_.keypoint_sigma_px * scale * undistorted->magnification);
   k.angle = intensityCentroidAngle(centre, image.stride());
   k.response = corner.score;
   k.octave = static_cast<std::uint8_t>(l);

@@ -202,13 +202,18 @@ TwoViewResult::Refusal TwoViewInitializer::acceptPoints(const Pose& T_second_fir
   result.T_second_first = T_second_first;
   const Eigen::Vector3d second_centre = T_second_first.inverse().t;
   parallax_deg_.clear();
+  int reliable = 0;
   for (int i = 0; i < matches_.size(); ++i) {
     Eigen::Vector3d& point = result.points[i];
     if (!triangulateMatch(T_second_first, i, point)) continue;
     const double cosine = parallaxCosine(point, Eigen::Vector3d::Zero(), second_centre);
-    parallax_deg_.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees);
-    result.triangulated[i] = parallax_deg_.back() >= settings_.min_point_parallax_deg;
+    const double parallax_rad = std::acos(std::clamp(cosine, -1.0, 1.0));
+    const double depth_sigma =
+        std::numbers::sqrt2 * settings_.sigma_px / (camera_.fx * parallax_rad);
+    result.triangulated[i] = depth_sigma <= settings_.max_point_depth_sigma;
     result.inliers += result.triangulated[i];
+    reliable += depth_sigma <= settings_.max_depth_sigma;
+    parallax_deg_.push_back(parallax_rad * kDegrees);
   }
   const auto placed = static_cast<double>(parallax_deg_.size());
   if (placed < settings_.min_kept_share * model_inliers_ || placed < settings_.min_inliers)
@@ -216,8 +221,7 @@ TwoViewResult::Refusal TwoViewInitializer::acceptPoints(const Pose& T_second_fir
   const auto median = parallax_deg_.begin() + static_cast<std::ptrdiff_t>(parallax_deg_.size() / 2);
   std::nth_element(parallax_deg_.begin(), median, parallax_deg_.end());
   result.median_parallax_deg = *median;
-  if (*median < settings_.min_parallax_deg) return Refusal::LowParallax;
-  return result.inliers < settings_.min_inliers ? Refusal::TooFewInliers : Refusal::None;
+  return reliable < settings_.min_inliers ? Refusal::LowParallax : Refusal::None;
 }
 
 }  // namespace depthscope::slam

@@ -15,9 +15,9 @@ namespace depthscope::slam {
 struct TwoViewSettings {
   double sigma_px = 1;  // of a keypoint's position
   int ransac_iterations = 200;
-  int min_inliers = 50;                 // matches that agree with the model, and points in the end
-  double min_parallax_deg = 1.0;        // median over the points
-  double min_point_parallax_deg = 0.3;  // below it a point is not handed on: its depth is a guess
+  int min_inliers = 50;                // matches that agree with the model, and points in the end
+  double max_depth_sigma = 0.2;        // relative, of `min_inliers` points at least
+  double max_point_depth_sigma = 0.5;  // above it a point is not handed on: its depth is a guess
   double homography_score_ratio =
       0.45;                         // R_H above: homography (Mur-Artal et al. 2015, section IV)
   double max_rotation_share = 0.6;  // of the inliers that a rotation alone explains as well
@@ -37,9 +37,9 @@ struct TwoViewResult {
     TooFewInliers,
     RotationOnly,  // includes a camera that stands still
     Ambiguous,     // two motions explain the matches about as well
-    LowParallax,
-    Uncertain,  // the direction of the translation is hardly determined
-    PoorFit,    // too few of the inliers became points
+    LowParallax,   // too few points have a depth to rely on
+    Uncertain,     // the direction of the translation is hardly determined
+    PoorFit,       // too few of the inliers became points
   };
 
   Refusal refusal = Refusal::None;

@@ -85,6 +85,8 @@ void bindSlam(Binder& b, slam::SlamSettings& s) {
            "[grey levels] first try in each cell");
   b.number("fast_threshold_min", s.extractor.fast_threshold_min, 1, 255,
            "[grey levels] where the first finds nothing");
+  b.number("keypoint_sigma_px", s.extractor.keypoint_sigma_px, 0.1, 5,
+           "of a corner's place, in pixels of its pyramid level");
   b.number("specular_threshold", s.extractor.specular_threshold, 1, 256,
            "[grey levels] at or above: saturated, not tissue");
   b.number("specular_contrast", s.extractor.specular_contrast, 1, 10,
@@ -113,9 +115,13 @@ void bindSlam(Binder& b, slam::SlamSettings& s) {
   b.number("min_matches", s.initializer.min_matches, 8, 10000, "matches between the two views");
   b.number("search_radius_px", s.initializer.search_radius_px, 1, 2000,
            "around the feature's place in the first view");
-  b.number("min_parallax_deg", s.initializer.min_parallax_deg, 0.01, 45,
-           "median over the new points");
-  b.number("min_points", s.initializer.min_points, 8, 10000, "points a new map starts with");
+  b.number("sigma_px", s.initializer.sigma_px, 0.1, 5, "of a corner's place on the fine levels");
+  b.number("max_depth_sigma", s.initializer.max_depth_sigma, 0.01, 1,
+           "of a new point's depth, relative to the depth");
+  b.number("initial_parallax", s.initializer.initial_parallax, 0.1, 20,
+           "factor on the parallax that max_depth_sigma takes");
+  b.number("min_points", s.initializer.min_points, 8, 10000,
+           "points of such depth that a map starts with");
 
   b.section("slam.tracker");
   b.number("min_motion_inliers", s.tracker.min_motion_inliers, 3, 10000,

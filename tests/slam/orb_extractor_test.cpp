@@ -32,9 +32,16 @@ double tissue(double x, double y) {
   return 75 + 0.3 * testing::TissueTexture(21)(x, y);
 }
 
+/// So that a keypoint's sigma is the size of its pixels.
+ExtractorSettings unitSigma() {
+  ExtractorSettings settings;
+  settings.keypoint_sigma_px = 1;
+  return settings;
+}
+
 FeatureSet extract(const ImageBuffer& image, const CameraModel& camera = pinhole(),
                    SimdPath path = bestSimdPath()) {
-  OrbExtractor extractor({}, camera, path);
+  OrbExtractor extractor(unitSigma(), camera, path);
   FeatureSet features(ExtractorSettings{}.features, camera);
   extractor.extract(image.view(), features);
   return features;
@@ -222,7 +229,7 @@ TEST(OrbExtractor, GivesTheSameForAPictureWhateverCameBefore) {
   const ImageBuffer other = testing::draw(kWidth, kHeight, [](double x, double y) {
     return std::hypot(x - 320, y - 240) > 180 ? 10 : testing::TissueTexture(5)(x, y);
   });
-  OrbExtractor extractor({}, pinhole());
+  OrbExtractor extractor(unitSigma(), pinhole());
   FeatureSet features(1000, pinhole());
   extractor.extract(other.view(), features);
   extractor.extract(image.view(), features);
@@ -234,7 +241,7 @@ TEST(OrbExtractor, AllocatesNothing) {
   const ImageBuffer noise = testing::draw(kWidth, kHeight, [](double x, double y) {
     return 120 + 100 * std::sin(1e4 * std::sin(x * 12.9898 + y * 78.233));
   });
-  OrbExtractor extractor({}, pinhole());
+  OrbExtractor extractor(unitSigma(), pinhole());
   FeatureSet features(1000, pinhole());
   testing::takeAllocationCount();
   {
@@ -246,7 +253,7 @@ TEST(OrbExtractor, AllocatesNothing) {
 }
 
 TEST(OrbExtractor, FindsNothingInAPictureOfAnotherSizeOrNone) {
-  OrbExtractor extractor({}, pinhole());
+  OrbExtractor extractor(unitSigma(), pinhole());
   FeatureSet features(1000, pinhole());
   extractor.extract(testing::draw(kWidth, kHeight, tissue).view(), features);
   EXPECT_GT(features.size(), 0);

@@ -87,7 +87,7 @@ TEST(TwoView, reconstructsFromLittleParallaxWhenAllowedTo) {
   const Pose truth = cameraAt({0.14, 0.05, 0.02}, {0.01, -0.01, 0.02});
   const Matches m = project(points, truth, 0.3, 0.3, 6);
   TwoViewSettings settings;
-  settings.min_parallax_deg = 0.8;
+  settings.max_depth_sigma = 0.3;
   TwoViewResult r;
   ASSERT_TRUE(initializer(settings).reconstruct(m.first, m.second, r))
       << static_cast<int>(r.refusal);
@@ -123,7 +123,7 @@ TEST(TwoView, refusesTooLittleParallax) {
   const Pose truth = cameraAt({0.2, 0, 0.05}, {0.02, -0.05, 0.03});
   const Matches m = project(points, truth, 0.3, 0.1, 2);
   TwoViewSettings settings;
-  settings.min_parallax_deg = 5;
+  settings.max_depth_sigma = 0.02;
   TwoViewResult r;
   EXPECT_FALSE(initializer(settings).reconstruct(m.first, m.second, r));
   EXPECT_EQ(r.refusal, Refusal::LowParallax);

@@ -19,14 +19,28 @@ void lowerPriority() {
 
 }  // namespace
 
-ReconstructionWorker::ReconstructionWorker(const ReconSettings& settings, Listener on_finished)
-    : reconstructor_(settings),
+ReconstructionWorker::ReconstructionWorker(const CameraModel& camera,
+                                           const ReconSettings& settings, Listener on_finished)
+    : reconstructor_(camera, settings),
+      inbox_(reconstructor_.pictureReduction() > 0
+                 ? std::make_unique<PictureInbox>(camera.width, camera.height,
+                                                  reconstructor_.pictureReduction())
+                 : nullptr),
       on_finished_(std::move(on_finished)),
       thread_([this](const std::stop_token& stop) { loop(stop); }) {}
 
 ReconstructionWorker::~ReconstructionWorker() {
   thread_.request_stop();
   cancel();
+}
+
+bool ReconstructionWorker::addKeyframe(const GrayView& luma, std::int64_t frame) {
+  if (!inbox_) return true;
+  if (!inbox_->put(luma, frame)) return false;
+  // The lock is not taken: a wake-up that comes between the worker's look at the inbox and its
+  // sleep is made up for by the next.
+  wake_.notify_one();
+  return true;
 }
 
 bool ReconstructionWorker::request(SparseCloud& cloud) {
@@ -54,26 +68,50 @@ void ReconstructionWorker::cancel() {
   running_.request_stop();
 }
 
+Reconstructor& ReconstructionWorker::finish() {
+  thread_.request_stop();
+  cancel();
+  if (thread_.joinable()) thread_.join();
+  takePictures();
+  return reconstructor_;
+}
+
+void ReconstructionWorker::takePictures() {
+  if (!inbox_ || !inbox_->waiting()) return;
+  const auto start = std::chrono::steady_clock::now();
+  for (; inbox_->waiting(); inbox_->pop()) reconstructor_.addKeyframe(inbox_->front());
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  pictures_ms_ += took.count();
+}
+
 void ReconstructionWorker::loop(const std::stop_token& stop) {
   lowerPriority();
   for (;;) {
     std::stop_token running;
     {
       std::unique_lock lock(mutex_);
-      if (!wake_.wait(lock, stop, [this] { return has_waiting_; })) return;
+      if (!wake_.wait(lock, stop,
+                      [this] { return has_waiting_ || (inbox_ && inbox_->waiting()); }))
+        return;
+      if (!has_waiting_) {
+        lock.unlock();
+        takePictures();
+        continue;
+      }
       std::swap(cloud_, waiting_);
       has_waiting_ = false;
       if (running_.stop_requested()) running_ = std::stop_source();
       running = running_.get_token();
     }
+    takePictures();
     const auto start = std::chrono::steady_clock::now();
     const ReconStatus status = reconstructor_.reconstruct(cloud_, mesh_, running);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    finish(status, took.count());
+    deliver(status, took.count() + std::exchange(pictures_ms_, 0));
   }
 }
 
-void ReconstructionWorker::finish(ReconStatus status, double duration_ms) {
+void ReconstructionWorker::deliver(ReconStatus status, double duration_ms) {
   const bool ok = status == ReconStatus::Ok;
   const ReconReport report{status, duration_ms, cloud_.map_id, cloud_.points.size(),
                            ok ? mesh_.triangles.size() : 0};

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <thread>
 
+#include "recon/picture_inbox.hpp"
 #include "recon/reconstructor.hpp"
 
 namespace depthscope::recon {
@@ -11,7 +12,7 @@ namespace depthscope::recon {
 /// How one reconstruction went.
 struct ReconReport {
   ReconStatus status = ReconStatus::Ok;
-  double duration_ms = 0;  // monotonic clock, from taking the cloud to the mesh
+  double duration_ms = 0;  // monotonic clock: work since the last one, pictures included
   std::uint32_t map_id = 0;
   std::size_t points = 0;     // in the cloud
   std::size_t triangles = 0;  // in the mesh; 0 unless Ok
@@ -26,12 +27,16 @@ class ReconstructionWorker {
 
   /// `on_finished`, if any, is called on the worker's thread after every reconstruction; it must
   /// not throw.
-  explicit ReconstructionWorker(const ReconSettings& settings, Listener on_finished = {});
+  ReconstructionWorker(const CameraModel& camera, const ReconSettings& settings,
+                       Listener on_finished = {});
   /// Cancels what is running and joins.
   ~ReconstructionWorker();
   ReconstructionWorker(const ReconstructionWorker&) = delete;
   ReconstructionWorker& operator=(const ReconstructionWorker&) = delete;
 
+  /// Hands over the picture of a keyframe; it is copied, reduced. Neither waits nor allocates. False
+  /// when so many wait that there is no room. From one thread.
+  bool addKeyframe(const GrayView& luma, std::int64_t frame);
   /// Swaps `cloud` with the waiting request (whose storage comes back for reuse) and wakes the
   /// worker. False, and `cloud` as it was, in the rare case that the worker is at the exchange
   /// itself: ask again later.
@@ -43,12 +48,18 @@ class ReconstructionWorker {
   /// Cancels the reconstruction that runs and drops the waiting request, as after a reset of the
   /// map. Its mesh may still come when it was already done: compare `map_id`.
   void cancel();
+  /// Ends the thread, what it does included, and hands out what it worked with, all pictures taken
+  /// in. Nothing else may be called after it.
+  Reconstructor& finish();
 
  private:
   void loop(const std::stop_token& stop);
-  void finish(ReconStatus status, double duration_ms);
+  void takePictures();
+  void deliver(ReconStatus status, double duration_ms);
 
   Reconstructor reconstructor_;
+  std::unique_ptr<PictureInbox> inbox_;  // null where pictures are not needed
+  double pictures_ms_ = 0;               // spent on them since the last surface
   Listener on_finished_;
 
   std::mutex mutex_;  // guards what follows, held for swaps only

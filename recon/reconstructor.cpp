@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "recon/dense/dense_reconstructor.hpp"
 #include "recon/mls_smoothing.hpp"
 #include "recon/point_filters.hpp"
 #include "recon/poisson_surface.hpp"
@@ -71,17 +72,34 @@ const char* toString(ReconStatus status) {
   return "unknown";
 }
 
-Reconstructor::Reconstructor(const ReconSettings& settings) : settings_(settings) {
+Reconstructor::Reconstructor(const CameraModel& camera, const ReconSettings& settings)
+    : settings_(settings) {
   check(settings_);
+  if (settings_.method == ReconSettings::Method::Dense) {
+    reduction_ = reductionFactor(camera.width, settings_.dense.picture_width);
+    dense_ = std::make_unique<DenseReconstructor>(camera, settings_.dense);
+  }
   // PCL's complaints about single clouds go to the terminal; ours go through the status.
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+}
+
+Reconstructor::~Reconstructor() = default;
+
+void Reconstructor::addKeyframe(const KeyframePicture& picture) noexcept {
+  try {
+    if (dense_) dense_->addKeyframe(picture);
+  } catch (const std::exception&) {
+    // Out of memory: surfaces go on without this keyframe.
+  }
 }
 
 ReconStatus Reconstructor::reconstruct(const SparseCloud& cloud, SurfaceMesh& out,
                                        std::stop_token stop) noexcept {
   try {
     SurfaceMesh mesh;
-    const ReconStatus status = run(cloud, mesh, stop);
+    const ReconStatus status =
+        dense_ ? dense_->reconstruct(cloud, settings_.max_triangles, mesh, stop)
+               : sparse(cloud, mesh, stop);
     if (status != ReconStatus::Ok) return status;
     mesh.map_id = cloud.map_id;
     mesh.version = ++version_;
@@ -94,7 +112,7 @@ ReconStatus Reconstructor::reconstruct(const SparseCloud& cloud, SurfaceMesh& ou
   }
 }
 
-ReconStatus Reconstructor::run(const SparseCloud& cloud, SurfaceMesh& mesh,
+ReconStatus Reconstructor::sparse(const SparseCloud& cloud, SurfaceMesh& mesh,
                                const std::stop_token& stop) const {
   const auto min_points = static_cast<std::size_t>(settings_.min_points);
 

@@ -1,25 +1,35 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <stop_token>
 
 #include "recon/recon_settings.hpp"
+#include "recon/recon_status.hpp"
+#include "types/camera_model.hpp"
 #include "types/sparse_cloud.hpp"
 #include "types/surface_mesh.hpp"
 
 namespace depthscope::recon {
 
-enum class ReconStatus { Ok, TooFewPoints, Cancelled, OutOfMemory, Failed };
+class DenseReconstructor;
+struct KeyframePicture;
 
-/// The status in words, for logs.
-const char* toString(ReconStatus status);
-
-/// The tissue surface from a sparse cloud: radius filter, voxel grid, Moving Least Squares,
-/// Poisson, trimmed to where there were observations (Chen et al. 2017, section 3). Deterministic:
-/// one cloud, one mesh.
+/// The tissue surface, by the method of the settings. Sparse: from the map points alone; radius
+/// filter, voxel grid, Moving Least Squares, Poisson, trimmed to where there were observations (Chen
+/// et al. 2017, section 3). Dense: from the keyframes' pictures, see DenseReconstructor.
+/// Deterministic: the same pictures and clouds in the same order give the same meshes.
 class Reconstructor {
  public:
   /// Throws InputError where a setting is out of its range.
-  explicit Reconstructor(const ReconSettings& settings);
+  Reconstructor(const CameraModel& camera, const ReconSettings& settings);
+  ~Reconstructor();
+
+  /// Keeps a keyframe's picture for the surfaces to come, where the method needs it: reduced by
+  /// pictureReduction(). Does not throw.
+  void addKeyframe(const KeyframePicture& picture) noexcept;
+  /// The factor by which pictures are to be reduced; 0: none are needed.
+  int pictureReduction() const { return reduction_; }
+
   /// Fills `out` (world frame of the cloud; normals towards the cameras). On any status but Ok
   /// `out` is left as it was. Does not throw. Stops within about a stage's time when `stop` is
   /// requested.
@@ -27,9 +37,11 @@ class Reconstructor {
                           std::stop_token stop = {}) noexcept;
 
  private:
-  ReconStatus run(const SparseCloud& cloud, SurfaceMesh& mesh, const std::stop_token& stop) const;
+  ReconStatus sparse(const SparseCloud& cloud, SurfaceMesh& mesh, const std::stop_token& stop) const;
 
   ReconSettings settings_;
+  int reduction_ = 0;
+  std::unique_ptr<DenseReconstructor> dense_;  // null for the sparse method
   std::uint32_t version_ = 0;  // of the last surface made
 };
 

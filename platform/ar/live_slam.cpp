@@ -10,7 +10,7 @@ LiveSlam::LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam,
                    const recon::ReconSettings& recon)
     : slam_(camera, slam, slam::MappingMode::Threaded),
       schedule_(recon.period_s),
-      worker_(recon, [this](const recon::ReconReport& report) {
+      worker_(camera, recon, [this](const recon::ReconReport& report) {
         if (report.status == recon::ReconStatus::OutOfMemory ||
             report.status == recon::ReconStatus::Failed)
           log(LogPriority::Warning, "reconstruction failed",
@@ -30,6 +30,7 @@ PoseEstimate LiveSlam::track(const GrayView& luma, std::int64_t frame, double ti
     const AllocationScope counted;
     estimate = slam_.track(luma, frame, timestamp_s);
     view_changed_ |= view_.add(slam_.view(), timestamp_s);
+    if (slam_.madeKeyframe()) worker_.addKeyframe(luma, frame);
   }
   if (estimate.map_id != map_id_) {
     worker_.cancel();

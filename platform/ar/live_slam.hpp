@@ -30,6 +30,10 @@ class LiveSlam {
   /// Forgets everything and starts over. From the tracking thread.
   void reset();
 
+  /// Ends reconstruction in the background and hands out what it worked with. Nothing may be tracked
+  /// after it.
+  recon::Reconstructor& finishReconstruction() { return worker_.finish(); }
+
   const slam::SlamSystem& slam() const { return slam_; }
   /// Times of the surfaces made so far [ms].
   Histogram reconstructTimes() const;

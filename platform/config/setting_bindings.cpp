@@ -159,6 +159,8 @@ void bindRecon(Binder& b, recon::ReconSettings& s) {
   b.live(true);
   b.number("period_s", s.period_s, 0, 3600, "a new surface this often; 0: only on demand");
   b.live(false);
+  b.choice("method", s.method, {"sparse", "dense"},
+           "from map points alone, or from the pictures of keyframes");
   b.number("min_points", s.min_points, 10, 1000000,
            "fewer after the filters: no surface is attempted");
   b.number("max_points", s.max_points, 100, 1000000,
@@ -202,6 +204,43 @@ void bindRecon(Binder& b, recon::ReconSettings& s) {
            "[spacing^2] smaller separate pieces are dropped");
   b.number("full_confidence_support", s.full_confidence_support, 0.1, 1000,
            "observations near a vertex for confidence 1");
+}
+
+void bindDense(Binder& b, recon::DenseSettings& s) {
+  b.section("recon.dense");
+  b.number("pictures", s.pictures, 4, 1000, "keyframe pictures kept, 0.2 MB each");
+  b.number("depth_maps", s.depth_maps, 2, 1000, "kept and fused, 0.2 MB each");
+  b.number("picture_width", s.picture_width, 80, 640, "[px] that pictures are reduced to");
+  b.number("dark_threshold", s.dark_threshold, 0, 255,
+           "[grey levels] at or below, joined to the border: no tissue");
+  b.number("specular_threshold", s.specular_threshold, 1, 256,
+           "[grey levels] at or above: a highlight");
+  b.number("specular_contrast", s.specular_contrast, 1, 100,
+           "times the brightness around: a highlight");
+  b.number("new_depth_maps", s.new_depth_maps, 1, 100, "made for one surface at most");
+  b.number("wanted_cover", s.wanted_cover, 1, 100, "depth maps that should see a map point");
+  b.number("min_novelty", s.min_novelty, 0.01, 1,
+           "share of a keyframe's points that lack them, for it to get one");
+  b.number("views", s.views, 1, 10, "neighbours that a keyframe is matched with");
+  b.number("best_angle_deg", s.best_angle_deg, 1, 60,
+           "between the lines of sight of keyframe and neighbour");
+  b.number("noise", s.noise, 0.1, 50, "[grey levels] texture below it does not correlate");
+  b.number("step_px", s.step_px, 0.1, 2, "of disparity between hypotheses");
+  b.number("smoothness_small", s.smoothness_small, 0, 1000, "P1 of semi-global matching");
+  b.number("smoothness_large", s.smoothness_large, 0, 1000, "P2 of semi-global matching");
+  b.number("min_correlation", s.min_correlation, 0, 1, "of windows at a depth worth keeping");
+  b.number("max_relative_error", s.max_relative_error, 0.001, 1,
+           "of a depth, that a pixel of disparity makes");
+  b.number("agreement_views", s.agreement_views, 1, 20, "depth maps asked to confirm a depth");
+  b.number("agreement_px", s.agreement_px, 0.1, 20, "[px of disparity] by which they may differ");
+  b.number("voxel_size", s.voxel_size, 0.002, 0.2, "[median depth]");
+  b.number("truncation", s.truncation, 2, 20, "[voxels] on either side of the surface");
+  b.number("max_blocks", s.max_blocks, 256, 1000000, "of 4^3 voxels, 1 kB each");
+  b.number("full_views", s.full_views, 1, 100, "depth maps at a place of confidence 1");
+  b.number("full_scatter", s.full_scatter, 0.01, 20, "[voxels] scatter that halves it");
+  b.number("min_confidence", s.min_confidence, 0, 1, "below it there is no surface");
+  b.number("min_island_area", s.min_island_area, 0, 1000000,
+           "[voxels^2] smaller separate pieces are dropped");
 }
 
 void bindOverlay(Binder& b, overlay::OverlaySettings& s) {
@@ -321,6 +360,7 @@ std::vector<Setting> settingTable(Settings& settings) {
   bindCapture(binder, settings.capture);
   bindSlam(binder, settings.slam);
   bindRecon(binder, settings.recon);
+  bindDense(binder, settings.recon.dense);
   bindOverlay(binder, settings.overlay);
   bindDisplay(binder, settings.display);
   bindFootswitch(binder, settings.footswitch);

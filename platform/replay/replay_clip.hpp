@@ -50,7 +50,8 @@ struct ReplayResult {
 void takeFinalMap(const ReplayOptions& options, const slam::SlamSystem& slam,
                   recon::Reconstructor& reconstructor, ReplayResult& result);
 
-/// Reconstructs `cloud` into `mesh` and records the time; false, and `mesh` as it was, when there
+/// Reconstructs `cloud` into `mesh` and records the time, that of the pictures since the last surface
+/// included; false, and `mesh` as it was, when there
 /// is no surface.
 bool reconstruct(recon::Reconstructor& reconstructor, const SparseCloud& cloud, SurfaceMesh& mesh,
                  RunMetrics& metrics);

@@ -2,7 +2,9 @@
 #include "platform/ar/steady_view.hpp"
 #include "platform/label_board.hpp"
 #include "platform/replay/replay_clip.hpp"
+#include "platform/stopwatch.hpp"
 #include "platform/surface_schedule.hpp"
+#include "recon/dense/keyframe_picture.hpp"
 #include "types/allocation_scope.hpp"
 
 namespace depthscope::platform {
@@ -15,7 +17,7 @@ class LockstepReplay {
         clip_(clip),
         recorder_(recorder),
         slam_(options.camera, slamSettings(options, clip), slam::MappingMode::Lockstep),
-        reconstructor_(options.settings.recon),
+        reconstructor_(options.camera, options.settings.recon),
         labels_(options.labels),
         gray_(static_cast<std::size_t>(options.camera.width) *
               static_cast<std::size_t>(options.camera.height)),
@@ -27,6 +29,7 @@ class LockstepReplay {
     for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty();
          frame = nextFrame(options_, clip_)) {
       const PoseEstimate estimate = track(frame);
+      if (options_.surface && slam_.madeKeyframe()) keepPicture(lumaOf(frame), estimate.frame);
       reconstructWhenDue(estimate);
       show(frame, estimate);
       ++frames;
@@ -38,15 +41,27 @@ class LockstepReplay {
  private:
   PoseEstimate track(const capture::Frame& frame) {
     const AllocationScope counted;
-    GrayView luma = frame.luma();
-    if (luma.empty()) {
-      capture::toGray(frame, gray_);
-      luma = {gray_.data(), options_.camera.width, options_.camera.height, options_.camera.width};
-    }
+    const GrayView luma = lumaOf(frame);
     const auto index = static_cast<std::int64_t>(frame.sequence);
     const PoseEstimate estimate = slam_.track(luma, index, clip_.time(frame.sequence));
     result_.record.add(estimate, slam_.lastTimes());
     return estimate;
+  }
+
+  /// The picture's luma; where it is worked out, good until the next call.
+  GrayView lumaOf(const capture::Frame& frame) {
+    if (const GrayView luma = frame.luma(); !luma.empty()) return luma;
+    capture::toGray(frame, gray_);
+    return {gray_.data(), options_.camera.width, options_.camera.height, options_.camera.width};
+  }
+
+  void keepPicture(const GrayView& luma, std::int64_t frame) {
+    if (reconstructor_.pictureReduction() == 0) return;
+    const Stopwatch watch;
+    picture_.frame = frame;
+    recon::reducePicture(luma, reconstructor_.pictureReduction(), picture_.luma);
+    reconstructor_.addKeyframe(picture_);
+    result_.record.metrics().pictures_ms += watch.elapsedMs();
   }
 
   void reconstructWhenDue(const PoseEstimate& estimate) {
@@ -84,6 +99,7 @@ class LockstepReplay {
   slam::SlamSystem slam_;
   recon::Reconstructor reconstructor_;
   SteadyView view_;
+  recon::KeyframePicture picture_;
   LabelBoard labels_;
   std::vector<std::uint8_t> gray_;
   SurfaceSchedule schedule_;

@@ -70,8 +70,8 @@ class RealtimeReplay {
     metrics.reconstruct = tracking_.live().reconstructTimes();
     metrics.surfaces = static_cast<std::int64_t>(metrics.reconstruct.count());
     metrics.composite = composite_ms_;
-    recon::Reconstructor reconstructor(options_.settings.recon);
-    takeFinalMap(options_, tracking_.live().slam(), reconstructor, result);
+    takeFinalMap(options_, tracking_.live().slam(), tracking_.live().finishReconstruction(),
+                 result);
     return result;
   }
 

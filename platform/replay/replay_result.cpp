@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "platform/log.hpp"
 #include "platform/replay/replay_clip.hpp"
 #include "platform/stopwatch.hpp"
@@ -12,7 +14,7 @@ bool reconstruct(recon::Reconstructor& reconstructor, const SparseCloud& cloud, 
     log(LogPriority::Warning, "reconstruction failed",
         {{"why", recon::toString(status)}, {"points", cloud.points.size()}});
   if (status != recon::ReconStatus::Ok) return false;
-  metrics.reconstruct.add(watch.elapsedMs());
+  metrics.reconstruct.add(watch.elapsedMs() + std::exchange(metrics.pictures_ms, 0));
   ++metrics.surfaces;
   return true;
 }

@@ -19,6 +19,7 @@ struct RunMetrics {
   std::int64_t first_tracked_frame = -1;
   std::size_t surface_triangles = 0;
   std::int64_t surfaces = 0;  // reconstructed
+  double pictures_ms = 0;  // spent on keyframes' pictures since the last surface
   slam::SlamStatistics slam;
   std::optional<std::uint64_t> steady_state_allocations;
   Histogram extract, track, map, reconstruct, composite;

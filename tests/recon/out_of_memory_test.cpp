@@ -50,7 +50,7 @@ namespace {
 
 TEST(OutOfMemory, KeepsTheOldSurfaceWhereverItStrikes) {
   const SparseCloud cloud = heightCloud(cap, 16, 0.005f);
-  Reconstructor reconstructor{ReconSettings{}};
+  Reconstructor reconstructor({}, sparseSettings());
   SurfaceMesh mesh;
   ASSERT_EQ(reconstructor.reconstruct(cloud, mesh), ReconStatus::Ok);
   const auto vertices = mesh.vertices;

@@ -46,7 +46,7 @@ bool take(ReconstructionWorker& worker, SurfaceMesh& mesh) {
 
 TEST(ReconstructionWorker, DeliversEachMeshOnce) {
   Reports reports;
-  ReconstructionWorker worker({}, reports.listener());
+  ReconstructionWorker worker({}, sparseSettings(), reports.listener());
   SurfaceMesh mesh;
   EXPECT_FALSE(worker.takeNewest(mesh));
   request(worker, heightCloud(flat, 20, 0.01f));
@@ -63,9 +63,9 @@ TEST(ReconstructionWorker, DeliversEachMeshOnce) {
 TEST(ReconstructionWorker, GivesTheSameMeshAsTheReconstructor) {
   const SparseCloud cloud = heightCloud(cap, 20, 0.01f);
   SurfaceMesh direct, through;
-  ASSERT_EQ(Reconstructor({}).reconstruct(cloud, direct), ReconStatus::Ok);
+  ASSERT_EQ(Reconstructor({}, sparseSettings()).reconstruct(cloud, direct), ReconStatus::Ok);
   Reports reports;
-  ReconstructionWorker worker({}, reports.listener());
+  ReconstructionWorker worker({}, sparseSettings(), reports.listener());
   request(worker, cloud);
   reports.wait(0);
   ASSERT_TRUE(take(worker, through));
@@ -78,7 +78,7 @@ TEST(ReconstructionWorker, SkipsARequestThatANewerOneReplaced) {
   std::promise<void> gate;
   std::shared_future<void> open = gate.get_future().share();
   auto collect = reports.listener();
-  ReconstructionWorker worker({}, [&](const ReconReport& report) {
+  ReconstructionWorker worker({}, sparseSettings(), [&](const ReconReport& report) {
     collect(report);
     open.wait();  // the worker is held after its first reconstruction
   });
@@ -92,7 +92,7 @@ TEST(ReconstructionWorker, SkipsARequestThatANewerOneReplaced) {
 
 TEST(ReconstructionWorker, ReportsFailureAndGoesOn) {
   Reports reports;
-  ReconstructionWorker worker({}, reports.listener());
+  ReconstructionWorker worker({}, sparseSettings(), reports.listener());
   request(worker, SparseCloud{});
   EXPECT_EQ(reports.wait(0).status, ReconStatus::TooFewPoints);
   SurfaceMesh mesh;
@@ -103,7 +103,7 @@ TEST(ReconstructionWorker, ReportsFailureAndGoesOn) {
 
 TEST(ReconstructionWorker, ReturnsStorageForReuse) {
   Reports reports;
-  ReconstructionWorker worker({}, reports.listener());
+  ReconstructionWorker worker({}, sparseSettings(), reports.listener());
   SparseCloud cloud = heightCloud(flat, 20, 0.01f);
   while (!worker.request(cloud)) std::this_thread::yield();
   reports.wait(0);
@@ -117,7 +117,7 @@ TEST(ReconstructionWorker, ReturnsStorageForReuse) {
 
 TEST(ReconstructionWorker, CancelsAndWorksOn) {
   Reports reports;
-  ReconstructionWorker worker({}, reports.listener());
+  ReconstructionWorker worker({}, sparseSettings(), reports.listener());
   request(worker, heightCloud(flat, 40, 0.01f));
   worker.cancel();
   request(worker, heightCloud(flat, 20, 0.01f));
@@ -129,7 +129,7 @@ TEST(ReconstructionWorker, CancelsAndWorksOn) {
 
 TEST(ReconstructionWorker, EndsInTheMiddleOfWork) {
   for (int i = 0; i < 5; ++i) {
-    ReconstructionWorker worker({});
+    ReconstructionWorker worker({}, sparseSettings());
     request(worker, heightCloud(cap, 40, 0.01f));
   }
 }

@@ -12,9 +12,10 @@
 namespace depthscope::recon {
 namespace {
 
-SurfaceMesh reconstructed(const SparseCloud& cloud, const ReconSettings& settings = {}) {
+SurfaceMesh reconstructed(const SparseCloud& cloud,
+                          const ReconSettings& settings = sparseSettings()) {
   SurfaceMesh mesh;
-  EXPECT_EQ(Reconstructor(settings).reconstruct(cloud, mesh), ReconStatus::Ok);
+  EXPECT_EQ(Reconstructor({}, settings).reconstruct(cloud, mesh), ReconStatus::Ok);
   return mesh;
 }
 
@@ -101,7 +102,7 @@ TEST(Reconstructor, HasNoPreferredUnitOfLength) {
 
 TEST(Reconstructor, GivesTheSameBitsTwice) {
   const SparseCloud cloud = heightCloud(cap, 40, 0.01f);
-  Reconstructor reconstructor{ReconSettings{}};
+  Reconstructor reconstructor({}, sparseSettings());
   SurfaceMesh first, second;
   ASSERT_EQ(reconstructor.reconstruct(cloud, first), ReconStatus::Ok);
   // Something else in between, so that nothing left over can help.
@@ -117,7 +118,7 @@ TEST(Reconstructor, GivesTheSameBitsTwice) {
 TEST(Reconstructor, LeavesTheMeshAloneWhenThereAreTooFewPoints) {
   SurfaceMesh mesh = reconstructed(heightCloud(flat, 20, 0.01f));
   const auto before = mesh.vertices;
-  Reconstructor reconstructor{ReconSettings{}};
+  Reconstructor reconstructor({}, sparseSettings());
   EXPECT_EQ(reconstructor.reconstruct(heightCloud(flat, 8, 0.01f), mesh),
             ReconStatus::TooFewPoints);
   EXPECT_EQ(reconstructor.reconstruct({}, mesh), ReconStatus::TooFewPoints);
@@ -128,14 +129,16 @@ TEST(Reconstructor, CountsOnlyFinitePoints) {
   SparseCloud cloud = heightCloud(flat, 20, 0.01f);
   for (auto& p : cloud.points) p.position.x() = std::numeric_limits<float>::quiet_NaN();
   SurfaceMesh mesh;
-  EXPECT_EQ(Reconstructor({}).reconstruct(cloud, mesh), ReconStatus::TooFewPoints);
+  EXPECT_EQ(Reconstructor({}, sparseSettings()).reconstruct(cloud, mesh),
+            ReconStatus::TooFewPoints);
 }
 
 TEST(Reconstructor, SurvivesPointsThatAllCoincide) {
   SparseCloud cloud = heightCloud(flat, 20, 0);
   for (auto& p : cloud.points) p.position = {1, 2, 3};
   SurfaceMesh mesh;
-  EXPECT_EQ(Reconstructor({}).reconstruct(cloud, mesh), ReconStatus::TooFewPoints);
+  EXPECT_EQ(Reconstructor({}, sparseSettings()).reconstruct(cloud, mesh),
+            ReconStatus::TooFewPoints);
 }
 
 TEST(Reconstructor, SurvivesAPointImmenselyFarAway) {
@@ -148,14 +151,15 @@ TEST(Reconstructor, StopsWhenAsked) {
   std::stop_source source;
   source.request_stop();
   SurfaceMesh mesh;
-  EXPECT_EQ(Reconstructor({}).reconstruct(heightCloud(flat, 40, 0.01f), mesh, source.get_token()),
+  EXPECT_EQ(Reconstructor({}, sparseSettings())
+                .reconstruct(heightCloud(flat, 40, 0.01f), mesh, source.get_token()),
             ReconStatus::Cancelled);
   EXPECT_TRUE(mesh.empty());
 }
 
 TEST(Reconstructor, StaysWithinTheTriangleLimit) {
   const SparseCloud cloud = heightCloud(cap, 40, 0.002f);
-  ReconSettings settings;
+  ReconSettings settings = sparseSettings();
   const std::size_t free = reconstructed(cloud, settings).triangles.size();
   settings.max_triangles = static_cast<int>(free / 2);
   const std::size_t limited = reconstructed(cloud, settings).triangles.size();
@@ -164,10 +168,10 @@ TEST(Reconstructor, StaysWithinTheTriangleLimit) {
 }
 
 TEST(Reconstructor, NamesTheSettingThatIsOutOfRange) {
-  ReconSettings settings;
+  ReconSettings settings = sparseSettings();
   settings.mls_radius = -1;
   try {
-    Reconstructor reconstructor(settings);
+    Reconstructor reconstructor({}, settings);
     FAIL() << "accepted";
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), testing::HasSubstr("recon.mls_radius"));

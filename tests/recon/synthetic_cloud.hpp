@@ -3,9 +3,17 @@
 #include <cmath>
 #include <random>
 
+#include "recon/recon_settings.hpp"
 #include "types/sparse_cloud.hpp"
 
 namespace depthscope::recon {
+
+/// The defaults of the paper's path.
+inline ReconSettings sparseSettings() {
+  ReconSettings settings;
+  settings.method = ReconSettings::Method::Sparse;
+  return settings;
+}
 
 /// Height over the plane z = 0 at (x, y); the camera is on the side of positive z.
 using Height = float (*)(float x, float y);

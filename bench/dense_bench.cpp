@@ -1,0 +1,62 @@
+// What the stages of the dense reconstruction cost, on a rendered hill in pictures of 320x240.
+#include <benchmark/benchmark.h>
+
+#include "recon/dense/dense_reconstructor.hpp"
+#include "tests/recon/rendered_keyframes.hpp"
+
+namespace depthscope::recon {
+namespace {
+
+constexpr int kTriangles = 100000;
+
+const RenderedKeyframes& scene() {
+  static const RenderedKeyframes rendered =
+      renderKeyframes([](float x, float y) { return 0.4f * std::exp(-2 * (x * x + y * y)); }, 12);
+  return rendered;
+}
+
+void takePicture(benchmark::State& state) {
+  const PinholeView view(scene().camera, 1);
+  RectifiedPicture out;
+  for (auto _ : state) rectify(scene().pictures[0].luma, view, {}, DepthEstimator::kRadius, out);
+}
+BENCHMARK(takePicture)->Unit(benchmark::kMillisecond);
+
+void makeDepthMap(benchmark::State& state) {
+  const DenseSettings settings;
+  const PinholeView view(scene().camera, 1);
+  std::vector<RectifiedPicture> pictures(4);
+  std::vector<DepthSource> sources;
+  const auto& poses = scene().cloud.keyframes_T_camera_world;
+  for (std::size_t k = 0; k < pictures.size(); ++k) {
+    rectify(scene().pictures[k].luma, view, settings, DepthEstimator::kRadius, pictures[k]);
+    if (k > 0) sources.push_back({&pictures[k], poses[k] * poses[0].inverse()});
+  }
+  std::vector<DepthSeed> seeds;
+  for (const SparsePoint& p : scene().cloud.points) {
+    const Eigen::Vector3d c = poses[0] * p.position.cast<double>();
+    seeds.push_back({scene().camera.project(c).cast<float>(), static_cast<float>(1 / c.z())});
+  }
+  DepthEstimator estimator(view, settings);
+  DepthMap out;
+  for (auto _ : state) estimator.estimate(pictures[0], sources, seeds, out, {});
+}
+BENCHMARK(makeDepthMap)->Unit(benchmark::kMillisecond);
+
+/// Confirmation, fusion and extraction of twelve depth maps that are there already.
+void fuseTwelve(benchmark::State& state) {
+  DenseSettings settings;
+  settings.new_depth_maps = 12;
+  settings.wanted_cover = 12;
+  DenseReconstructor reconstructor(scene().camera, settings);
+  for (const KeyframePicture& picture : scene().pictures) reconstructor.addKeyframe(picture);
+  SurfaceMesh mesh;
+  (void)reconstructor.reconstruct(scene().cloud, kTriangles, mesh, {});
+  for (auto _ : state) (void)reconstructor.reconstruct(scene().cloud, kTriangles, mesh, {});
+}
+BENCHMARK(fuseTwelve)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace depthscope::recon
+
+BENCHMARK_MAIN();

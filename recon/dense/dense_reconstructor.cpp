@@ -1,0 +1,172 @@
+#include "recon/dense/dense_reconstructor.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "recon/dense/surface_nets.hpp"
+#include "recon/dense/view_selection.hpp"
+#include "recon/mesh_geometry.hpp"
+
+namespace depthscope::recon {
+namespace {
+
+constexpr std::size_t kMinAnchors = 8;  // map points that tell a depth map's unit of length
+constexpr int kMinSeedObservations = 3;
+constexpr float kCoarser = 1.25f;  // voxels grow by it where the surface would be too large
+
+/// Pixel of a point of the camera's frame, to be rounded down.
+Eigen::Vector2f pixelOf(const Eigen::Vector3d& p, const PinholeLevel& level) {
+  return {static_cast<float>(level.f * p.x() / p.z() + level.cx + 0.5),
+          static_cast<float>(level.f * p.y() / p.z() + level.cy + 0.5)};
+}
+
+bool contains(const PinholeLevel& level, const Eigen::Vector2f& pixel) {
+  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < static_cast<float>(level.width) &&
+         pixel.y() < static_cast<float>(level.height);
+}
+
+}  // namespace
+
+DenseReconstructor::DenseReconstructor(const CameraModel& camera, const DenseSettings& settings)
+    : settings_(settings),
+      view_(camera, reductionFactor(camera.width, settings.picture_width)),
+      estimator_(view_, settings_),
+      store_(settings.pictures, settings.depth_maps),
+      volume_(settings.max_blocks) {}
+
+void DenseReconstructor::addKeyframe(const KeyframePicture& picture) {
+  StoredKeyframe& slot = store_.claim(picture.frame);
+  rectify(picture.luma, view_, settings_, DepthEstimator::kRadius, slot.picture);
+  slot.frame = picture.frame;
+}
+
+ReconStatus DenseReconstructor::reconstruct(const SparseCloud& cloud, int max_triangles,
+                                            SurfaceMesh& mesh, const std::stop_token& stop) {
+  const CloudIndex index(cloud);
+  store_.update(index);
+  stored_ = store_.inOrderOf(cloud);
+  const float depth = index.medianDepth();
+  if (!(depth > 0)) return ReconStatus::TooFewPoints;
+  if (makeDepthMaps(index, stop) == ReconStatus::Cancelled) return ReconStatus::Cancelled;
+
+  std::vector<FusedView> views = placeDepthMaps(index);
+  if (views.empty()) return ReconStatus::TooFewPoints;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (stop.stop_requested()) return ReconStatus::Cancelled;
+    countAgreement(views, i, view_.level(kDepthLevel), settings_);
+  }
+  float voxel_size = depth * static_cast<float>(settings_.voxel_size);
+  for (;; voxel_size *= kCoarser) {
+    const ReconStatus status = fuse(views, voxel_size, stop);
+    if (status == ReconStatus::Cancelled) return status;
+    if (status != ReconStatus::Ok) continue;  // the volume is full
+    extractSurface(volume_, settings_, mesh);
+    if (mesh.triangles.size() <= static_cast<std::size_t>(max_triangles)) break;
+  }
+  dropSmallIslands(mesh, static_cast<float>(settings_.min_island_area) * volume_.voxelSize() *
+                             volume_.voxelSize());
+  computeNormals(mesh);
+  return mesh.empty() ? ReconStatus::TooFewPoints : ReconStatus::Ok;
+}
+
+/// Works out the depth maps that are needed most.
+ReconStatus DenseReconstructor::makeDepthMaps(const CloudIndex& index,
+                                              const std::stop_token& stop) {
+  std::vector<int> covered(index.cloud().points.size(), 0);
+  std::vector<std::size_t> candidates;
+  for (std::size_t k = 0; k < stored_.size(); ++k) {
+    if (stored_[k] == nullptr) continue;
+    if (stored_[k]->depth != nullptr)
+      for (std::uint32_t p : index.pointsOf(k)) ++covered[p];
+    else if (!stored_[k]->retired)
+      candidates.push_back(k);
+  }
+  const auto novelty = [&](std::size_t k) {
+    const auto points = index.pointsOf(k);
+    const auto fresh = std::count_if(points.begin(), points.end(), [&](std::uint32_t p) {
+      return covered[p] < settings_.wanted_cover;
+    });
+    return static_cast<double>(fresh) / static_cast<double>(points.size() + 1);
+  };
+  for (int n = 0; n < settings_.new_depth_maps && !candidates.empty(); ++n) {
+    const auto best = std::max_element(candidates.begin(), candidates.end(),
+                                       [&](auto a, auto b) { return novelty(a) < novelty(b); });
+    const std::size_t k = *best;
+    if (novelty(k) < settings_.min_novelty) break;
+    candidates.erase(best);
+    const bool found = estimateDepth(index, k, stop);
+    if (stop.stop_requested()) return ReconStatus::Cancelled;
+    if (!found) continue;
+    std::swap(store_.makeDepth(*stored_[k], index, stored_, covered), estimate_);
+    for (std::uint32_t p : index.pointsOf(k)) ++covered[p];
+  }
+  return ReconStatus::Ok;
+}
+
+/// Fills `estimate_`.
+bool DenseReconstructor::estimateDepth(const CloudIndex& index, std::size_t keyframe,
+                                       const std::stop_token& stop) {
+  const SparseCloud& cloud = index.cloud();
+  const Pose& T_reference_world = cloud.keyframes_T_camera_world[keyframe];
+  std::vector<DepthSource> sources;
+  for (std::size_t s : selectViews(index, keyframe, settings_.views, settings_.best_angle_deg,
+                                   [&](std::size_t k) { return stored_[k] != nullptr; }))
+    sources.push_back(
+        {&stored_[s]->picture, cloud.keyframes_T_camera_world[s] * T_reference_world.inverse()});
+  std::vector<DepthSeed> seeds;
+  for (std::uint32_t p : index.pointsOf(keyframe)) {
+    const Eigen::Vector3d point = T_reference_world * cloud.points[p].position.cast<double>();
+    if (point.z() > 0 && cloud.points[p].observations >= kMinSeedObservations)
+      seeds.push_back({pixelOf(point, view_.level(0)), static_cast<float>(1 / point.z())});
+  }
+  return estimator_.estimate(stored_[keyframe]->picture, sources, seeds, estimate_, stop);
+}
+
+/// Each depth map at its keyframe's pose, its unit of length taken from the map points it sees.
+std::vector<FusedView> DenseReconstructor::placeDepthMaps(const CloudIndex& index) const {
+  const SparseCloud& cloud = index.cloud();
+  const PinholeLevel& level = view_.level(kDepthLevel);
+  std::vector<FusedView> views;
+  std::vector<std::size_t> keyframe_of, place(index.keyframes(), index.keyframes());
+  for (std::size_t k = 0; k < stored_.size(); ++k) {
+    if (stored_[k] == nullptr || stored_[k]->depth == nullptr) continue;
+    const Pose& T_camera_world = cloud.keyframes_T_camera_world[k];
+    std::vector<float> scale;
+    for (std::uint32_t p : index.pointsOf(k)) {
+      const Eigen::Vector3d point = T_camera_world * cloud.points[p].position.cast<double>();
+      const Eigen::Vector2f pixel = pixelOf(point, level);
+      if (!(point.z() > 0) || !contains(level, pixel)) continue;
+      const float q = stored_[k]->depth->inverse_depth.at(static_cast<int>(pixel.x()),
+                                                          static_cast<int>(pixel.y()));
+      if (q > 0) scale.push_back(static_cast<float>(1 / (q * point.z())));
+    }
+    if (scale.size() < kMinAnchors) continue;
+    const auto middle = scale.begin() + static_cast<std::ptrdiff_t>(scale.size() / 2);
+    std::nth_element(scale.begin(), middle, scale.end());
+    place[k] = views.size();
+    keyframe_of.push_back(k);
+    views.push_back({stored_[k]->depth, T_camera_world, *middle, {}, {}});
+  }
+  for (std::size_t i = 0; i < views.size(); ++i)
+    for (std::size_t k :
+         selectViews(index, keyframe_of[i], settings_.agreement_views, settings_.best_angle_deg,
+                     [&](std::size_t c) { return place[c] < views.size(); }))
+      views[i].neighbours.push_back(place[k]);
+  return views;
+}
+
+/// Failed when the volume is full.
+ReconStatus DenseReconstructor::fuse(const std::vector<FusedView>& views, float voxel_size,
+                                     const std::stop_token& stop) {
+  const PinholeLevel& level = view_.level(kDepthLevel);
+  volume_.begin(voxel_size, static_cast<float>(settings_.truncation));
+  for (const FusedView& view : views)
+    if (!volume_.allocate(view, level)) return ReconStatus::Failed;
+  for (const FusedView& view : views) {
+    if (stop.stop_requested()) return ReconStatus::Cancelled;
+    volume_.integrate(view, level);
+  }
+  return ReconStatus::Ok;
+}
+
+}  // namespace depthscope::recon

@@ -1,0 +1,45 @@
+#pragma once
+#include <stop_token>
+
+#include "recon/dense/depth_estimator.hpp"
+#include "recon/dense/keyframe_picture.hpp"
+#include "recon/dense/keyframe_store.hpp"
+#include "recon/dense/tsdf_volume.hpp"
+#include "recon/recon_status.hpp"
+#include "types/surface_mesh.hpp"
+
+namespace depthscope::recon {
+
+/// The tissue surface from the pictures of keyframes: depth maps by multi-view stereo, each worked
+/// out once and kept, those that confirm each other fused into a volume of signed distances, whose
+/// zero level is the surface. Poses and the unit of length are those of the cloud at hand, so depth
+/// maps follow the map's corrections. Time and memory are bounded by the settings: depth maps made
+/// for a surface, depth maps kept, blocks of the volume.
+class DenseReconstructor {
+ public:
+  DenseReconstructor(const CameraModel& camera, const DenseSettings& settings);
+
+  /// Keeps a keyframe's picture, reduced by reductionFactor(camera width, picture_width).
+  void addKeyframe(const KeyframePicture& picture);
+  /// Fills vertices, normals, confidence and triangles of `mesh` (at most `max_triangles`). `mesh`
+  /// is of no use on any status but Ok.
+  ReconStatus reconstruct(const SparseCloud& cloud, int max_triangles, SurfaceMesh& mesh,
+                          const std::stop_token& stop);
+
+ private:
+  ReconStatus makeDepthMaps(const CloudIndex& index, const std::stop_token& stop);
+  bool estimateDepth(const CloudIndex& index, std::size_t keyframe, const std::stop_token& stop);
+  std::vector<FusedView> placeDepthMaps(const CloudIndex& index) const;
+  ReconStatus fuse(const std::vector<FusedView>& views, float voxel_size,
+                   const std::stop_token& stop);
+
+  DenseSettings settings_;
+  PinholeView view_;
+  DepthEstimator estimator_;
+  DepthMap estimate_;  // the newest, on its way into the store
+  KeyframeStore store_;
+  std::vector<StoredKeyframe*> stored_;  // of each keyframe of the cloud at hand
+  TsdfVolume volume_;
+};
+
+}  // namespace depthscope::recon

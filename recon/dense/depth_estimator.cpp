@@ -1,0 +1,181 @@
+#include "recon/dense/depth_estimator.hpp"
+
+#include <cmath>
+
+#include "recon/dense/speckle_filter.hpp"
+
+namespace depthscope::recon {
+namespace {
+
+constexpr int kCoarsest = kLevels - 1;
+constexpr int kCoarseHypotheses = 32;  // planes over the whole range of depth
+constexpr int kFineHypotheses = 8;     // around the depth found at the level before,
+constexpr int kFinestHypotheses = 4;   // at the finest level
+constexpr double kMaxTilt_deg = 80;    // of the surface from the line of sight
+constexpr int kCoarseRadius = 2;       // of the windows [px]
+/// Tissue lies nearer and farther than the map points by this much, as a share of inverse depth.
+constexpr float kBeyondSeeds = 0.35f;
+constexpr int kSeedPenalty = 80;        // on hypotheses that a map point speaks against, out of 255
+constexpr float kSeedTolerance = 1.5f;  // [hypotheses]
+constexpr std::size_t kMinSeeds = 8;
+
+/// Disparity at level `l` in the widest pair per inverse depth [px map unit].
+float disparityScale(const std::vector<DepthSource>& sources, const PinholeLevel& level) {
+  double widest = 0;
+  for (const DepthSource& s : sources)
+    widest = std::max(widest, s.T_source_reference.t.head<2>().norm());
+  return level.f * static_cast<float>(widest);
+}
+
+float percentile(std::vector<float>& values, double share) {
+  const auto nth =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+/// Median of 3 x 3.
+void smooth(const Grid<float>& in, Grid<float>& out) {
+  out.reset(in.width, in.height);
+  std::array<float, 9> window;
+  for (int y = 0; y < in.height; ++y)
+    for (int x = 0; x < in.width; ++x) {
+      std::size_t n = 0;
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) window[n++] = in.clamped(x + i, y + j);
+      std::nth_element(window.begin(), window.begin() + 4, window.end());
+      out.at(x, y) = window[4];
+    }
+}
+
+}  // namespace
+
+bool DepthEstimator::estimate(const RectifiedPicture& reference,
+                              const std::vector<DepthSource>& sources,
+                              const std::vector<DepthSeed>& seeds, DepthMap& out,
+                              const std::stop_token& stop) {
+  if (!startCoarse(seeds, sources)) return false;
+  for (int l = kCoarsest; l >= 0; --l) {
+    if (!level(l, reference, sources, stop)) return false;
+    if (l == kCoarsest) favourSeeds(seeds);
+    semi_global_.run(volume_, settings_.smoothness_small, settings_.smoothness_large, total_);
+    chooseDepths();
+    if (l == 0) break;
+    const float wanted =
+        static_cast<float>(settings_.step_px) / disparityScale(sources, view_.level(l - 1));
+    refineCentre(l - 1, std::max(wanted, volume_.step / 4));
+  }
+  out.precision = 1 / disparityScale(sources, view_.level(kDepthLevel));
+  keepReliable(out);
+  removeSpeckles(out, 2 * out.precision);
+  measureSlant(out, view_.level(kDepthLevel), kMaxTilt_deg);
+  return true;
+}
+
+bool DepthEstimator::startCoarse(const std::vector<DepthSeed>& seeds,
+                                 const std::vector<DepthSource>& sources) {
+  const PinholeLevel& coarsest = view_.level(kCoarsest);
+  if (seeds.size() < kMinSeeds || sources.empty() || !(disparityScale(sources, coarsest) > 0))
+    return false;
+  std::vector<float> q(seeds.size());
+  std::transform(seeds.begin(), seeds.end(), q.begin(),
+                 [](const DepthSeed& s) { return s.inverse_depth; });
+  const float low = percentile(q, 0.02) * (1 - kBeyondSeeds);
+  const float high = percentile(q, 0.98) * (1 + kBeyondSeeds);
+  volume_.hypotheses = kCoarseHypotheses;
+  volume_.step = (high - low) / static_cast<float>(volume_.hypotheses - 1);
+  volume_.centre.reset(coarsest.width, coarsest.height, (low + high) / 2);
+  return volume_.step > 0;
+}
+
+bool DepthEstimator::level(int l, const RectifiedPicture& reference,
+                           const std::vector<DepthSource>& sources, const std::stop_token& stop) {
+  std::vector<SweepSource> at_level;
+  for (const DepthSource& s : sources)
+    at_level.push_back({&s.picture->level(l), s.T_source_reference});
+  return sweep_.run(reference.level(l), at_level, view_.level(l), l == 0 ? kRadius : kCoarseRadius,
+                    static_cast<float>(settings_.noise), volume_,
+                    [&] { return stop.stop_requested(); });
+}
+
+void DepthEstimator::favourSeeds(const std::vector<DepthSeed>& seeds) {
+  const float middle = static_cast<float>(volume_.hypotheses - 1) / 2;
+  for (const DepthSeed& seed : seeds) {
+    const int x = static_cast<int>(seed.pixel.x()) >> kCoarsest;
+    const int y = static_cast<int>(seed.pixel.y()) >> kCoarsest;
+    if (x < 0 || y < 0 || x >= volume_.width || y >= volume_.height) continue;
+    const float expected = (seed.inverse_depth - volume_.centre.at(x, y)) / volume_.step + middle;
+    std::uint8_t* cost = volume_.cost.data() + (y * volume_.width + x) * volume_.hypotheses;
+    for (int k = 0; k < volume_.hypotheses; ++k)
+      if (std::abs(static_cast<float>(k) - expected) > kSeedTolerance)
+        cost[k] = static_cast<std::uint8_t>(std::min(cost[k] + kSeedPenalty, 255));
+  }
+}
+
+/// The hypothesis of least total cost, refined by a parabola through it and its neighbours.
+void DepthEstimator::chooseDepths() {
+  const int hypotheses = volume_.hypotheses;
+  const float middle = static_cast<float>(hypotheses - 1) / 2;
+  inverse_depth_.reset(volume_.width, volume_.height);
+  cost_.reset(volume_.width, volume_.height);
+  for (std::size_t i = 0; i < inverse_depth_.size(); ++i) {
+    const std::size_t first = i * static_cast<std::size_t>(hypotheses);
+    const std::uint16_t* total = total_.data() + first;
+    const auto best = static_cast<int>(std::min_element(total, total + hypotheses) - total);
+    auto k = static_cast<float>(best);
+    if (best > 0 && best < hypotheses - 1) {
+      const int before = total[best - 1], here = total[best], after = total[best + 1];
+      const int curvature = before - 2 * here + after;
+      if (curvature > 0)
+        k += static_cast<float>(before - after) / static_cast<float>(2 * curvature);
+    }
+    inverse_depth_.cells[i] = volume_.centre.cells[i] + (k - middle) * volume_.step;
+    cost_.cells[i] = volume_.cost[first + static_cast<std::size_t>(best)];
+  }
+}
+
+/// The depths found become the centres of the hypotheses of the next finer level.
+void DepthEstimator::refineCentre(int finer_level, float step) {
+  smooth(inverse_depth_, smoothed_);
+  const PinholeLevel& finer = view_.level(finer_level);
+  volume_.hypotheses = finer_level == 0 ? kFinestHypotheses : kFineHypotheses;
+  volume_.step = step;
+  volume_.centre.reset(finer.width, finer.height);
+  for (int y = 0; y < finer.height; ++y)
+    for (int x = 0; x < finer.width; ++x) {
+      // Pixel x of the finer level lies a quarter off the middle of pixel x / 2 of the coarser.
+      const int cx = x / 2, cy = y / 2, nx = x % 2 ? cx + 1 : cx - 1, ny = y % 2 ? cy + 1 : cy - 1;
+      volume_.centre.at(x, y) = (9 * smoothed_.at(cx, cy) + 3 * smoothed_.clamped(nx, cy) +
+                                 3 * smoothed_.clamped(cx, ny) + smoothed_.clamped(nx, ny)) /
+                                16;
+    }
+}
+
+/// Of 2 x 2 depths at the finest level the mean of the well correlated ones, where most are.
+void DepthEstimator::keepReliable(DepthMap& out) const {
+  const PinholeLevel& level = view_.level(kDepthLevel);
+  out.inverse_depth.reset(level.width, level.height);
+  out.confidence.reset(level.width, level.height);
+  const float least = out.precision / static_cast<float>(settings_.max_relative_error);
+  const int worst = static_cast<int>(255 * (1 - settings_.min_correlation));
+  for (int y = 0; y < level.height; ++y)
+    for (int x = 0; x < level.width; ++x) {
+      int n = 0, cost = 0;
+      float sum = 0;
+      for (int j = 0; j < 2; ++j)
+        for (int i = 0; i < 2; ++i) {
+          const int c = cost_.at(2 * x + i, 2 * y + j);
+          const float q = inverse_depth_.at(2 * x + i, 2 * y + j);
+          if (c > worst || !(q > least)) continue;
+          ++n;
+          cost += c;
+          sum += q;
+        }
+      if (n < 2) continue;
+      out.inverse_depth.at(x, y) = sum / static_cast<float>(n);
+      out.confidence.at(x, y) =
+          static_cast<std::uint8_t>(std::clamp(255 - 255 * cost / (n * worst + 1), 1, 255));
+    }
+}
+
+}  // namespace depthscope::recon

@@ -1,0 +1,37 @@
+#pragma once
+#include <Eigen/Core>
+#include <array>
+
+#include "recon/dense/grid.hpp"
+#include "types/camera_model.hpp"
+
+namespace depthscope::recon {
+
+inline constexpr int kLevels = 3;  // of the pictures' pyramid, each half the size of the one before
+
+/// Intrinsics of one level of a pinhole view [px]; the centre of the first pixel is (0, 0).
+struct PinholeLevel {
+  int width = 0, height = 0;
+  float f = 1, cx = 0, cy = 0;
+};
+
+/// The undistorted view that all keyframes are matched in: it holds what the lens shows, up to
+/// `kMaxTangent` from the axis, at about the resolution of the reduced picture.
+class PinholeView {
+ public:
+  /// For pictures of `camera` reduced by `factor`.
+  PinholeView(const CameraModel& camera, int factor);
+
+  /// Level 0 is the finest.
+  const PinholeLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
+  /// Bends a reduced picture into the view; 0 where the lens does not see. `out` keeps its storage.
+  void rectify(const Grid<std::uint8_t>& reduced, Grid<std::uint8_t>& out) const;
+
+ private:
+  static constexpr float kMaxTangent = 1.5f;  // 56 degrees: beyond, a pinhole wastes its pixels
+
+  std::array<PinholeLevel, kLevels> levels_;
+  Grid<Eigen::Vector2f> source_;  // of each pixel in the reduced picture [px]; negative: none
+};
+
+}  // namespace depthscope::recon

@@ -1,0 +1,57 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "recon/dense/correlation.hpp"
+#include "recon/dense/rectified_picture.hpp"
+#include "types/pose.hpp"
+
+namespace depthscope::recon {
+
+/// A picture to match against, and where its camera stands.
+struct SweepSource {
+  const RectifiedLevel* picture = nullptr;
+  Pose T_source_reference;
+};
+
+/// Matching costs of every pixel and hypothesis: `cost[pixel * hypotheses + k]`, 255 is the worst.
+/// Hypothesis k of a pixel is inverse depth `centre + (k - (hypotheses - 1) / 2) * step`.
+struct CostVolume {
+  int width = 0, height = 0, hypotheses = 0;
+  float step = 0;      // [1 / map unit]
+  Grid<float> centre;  // [1 / map unit]
+  std::vector<std::uint8_t> cost;
+};
+
+/// Plane sweep (Collins 1996): warps each source onto the reference at each hypothesis and compares
+/// windows. Of the sources the two best count at each pixel and hypothesis, so that one which does
+/// not see the place does no harm.
+class PlaneSweep {
+ public:
+  /// Fills `volume.cost` from the rest of `volume`. False when `cancelled()` between two planes.
+  template <class Cancelled>
+  bool run(const RectifiedLevel& reference, const std::vector<SweepSource>& sources,
+           const PinholeLevel& level, int radius, float noise, CostVolume& volume,
+           const Cancelled& cancelled) {
+    begin(reference, radius, noise, volume);
+    for (int k = 0; k < volume.hypotheses; ++k) {
+      if (cancelled()) return false;
+      plane(sources, level, k, volume);
+    }
+    return true;
+  }
+
+ private:
+  void begin(const RectifiedLevel& reference, int radius, float noise, CostVolume& volume);
+  void plane(const std::vector<SweepSource>& sources, const PinholeLevel& level, int k,
+             CostVolume& volume);
+  void warp(const SweepSource& source, const PinholeLevel& level, const CostVolume& volume,
+            float offset);
+  void sample(const RectifiedLevel& source, int y);
+
+  Correlator correlator_;
+  Grid<std::uint8_t> warped_, usable_, cost_, best_, second_;
+  std::vector<std::int32_t> u_, v_;  // of one row [1/32 px]
+};
+
+}  // namespace depthscope::recon

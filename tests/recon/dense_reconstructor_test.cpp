@@ -1,0 +1,144 @@
+#include "recon/dense/dense_reconstructor.hpp"
+
+#include <gmock/gmock.h>
+
+#include "rendered_keyframes.hpp"
+
+namespace depthscope::recon {
+namespace {
+
+constexpr int kTriangles = 100000;
+
+float hill(float x, float y) {
+  return 0.4f * std::exp(-2 * (x * x + y * y));
+}
+
+/// The surface after all keyframes were handed over.
+SurfaceMesh reconstructed(const RenderedKeyframes& scene, const DenseSettings& settings = {}) {
+  DenseReconstructor reconstructor(scene.camera, settings);
+  for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+  SurfaceMesh mesh;
+  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
+  return mesh;
+}
+
+double area(const SurfaceMesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles)
+    sum += 0.5 * (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+                     .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
+                     .norm();
+  return sum;
+}
+
+/// Root mean square distance of the vertices to the surface, along z.
+double error(const SurfaceMesh& mesh, Height height, float scale = 1) {
+  double sum = 0;
+  for (const auto& v : mesh.vertices)
+    sum += std::pow(v.z() / scale - height(v.x() / scale, v.y() / scale), 2);
+  return std::sqrt(sum / static_cast<double>(mesh.vertices.size()));
+}
+
+TEST(DenseReconstructor, FindsAHill) {
+  const SurfaceMesh mesh = reconstructed(renderKeyframes(hill, 6));
+  EXPECT_GT(area(mesh), 5);            // of about 4.3 x 3.2 that the cameras see together
+  EXPECT_LT(error(mesh, hill), 0.01);  // 0.25 % of the distance
+  ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
+  ASSERT_EQ(mesh.confidence.size(), mesh.vertices.size());
+  for (const auto& n : mesh.normals) ASSERT_GT(n.z(), 0.3f);  // towards the cameras
+  for (const auto& t : mesh.triangles)
+    ASSERT_GE((mesh.vertices[t[1]] - mesh.vertices[t[0]])
+                  .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
+                  .z(),
+              -1e-6f);
+}
+
+TEST(DenseReconstructor, LeavesAHoleWhereThereIsNoTexture) {
+  const SurfaceMesh mesh = reconstructed(
+      renderKeyframes(flat, 6, [](float x, float y) { return std::hypot(x, y) < 0.5f; }));
+  EXPECT_GT(area(mesh), 4);
+  for (const auto& v : mesh.vertices) EXPECT_GT(v.head<2>().norm(), 0.35f) << v.transpose();
+}
+
+TEST(DenseReconstructor, GivesTheSameBitsTwice) {
+  const RenderedKeyframes scene = renderKeyframes(hill, 6);
+  const SurfaceMesh a = reconstructed(scene), b = reconstructed(scene);
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.confidence, b.confidence);
+}
+
+TEST(DenseReconstructor, KeepsDepthMapsAndFollowsTheMapsUnitOfLength) {
+  const RenderedKeyframes scene = renderKeyframes(hill, 6);
+  DenseReconstructor reconstructor(scene.camera, {});
+  for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+  SurfaceMesh mesh;
+  ASSERT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
+  SparseCloud doubled = scene.cloud;
+  for (auto& p : doubled.points) p.position *= 2;
+  for (auto& T : doubled.keyframes_T_camera_world) T.t *= 2;
+  ASSERT_EQ(reconstructor.reconstruct(doubled, kTriangles, mesh, {}), ReconStatus::Ok);
+  EXPECT_LT(error(mesh, hill, 2), 0.01);
+  EXPECT_GT(area(mesh), 4 * 5);
+}
+
+TEST(DenseReconstructor, MakesNoMoreDepthMapsAtATimeThanAllowed) {
+  const RenderedKeyframes scene = renderKeyframes(hill, 6);
+  DenseSettings settings;
+  settings.new_depth_maps = 1;  // a single depth map is confirmed by none
+  DenseReconstructor reconstructor(scene.camera, settings);
+  for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+  SurfaceMesh mesh;
+  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}),
+            ReconStatus::TooFewPoints);
+  for (int i = 0; i < 3; ++i) (void)reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {});
+  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
+}
+
+TEST(DenseReconstructor, GoesOnWhenPicturesAndDepthMapsAreFull) {
+  const RenderedKeyframes scene = renderKeyframes(hill, 8);
+  DenseSettings settings;
+  settings.pictures = 5;
+  settings.depth_maps = 3;
+  DenseReconstructor reconstructor(scene.camera, settings);
+  SurfaceMesh mesh;
+  SparseCloud cloud = scene.cloud;
+  for (const KeyframePicture& picture : scene.pictures) {
+    reconstructor.addKeyframe(picture);
+    (void)reconstructor.reconstruct(cloud, kTriangles, mesh, {});
+  }
+  EXPECT_EQ(reconstructor.reconstruct(cloud, kTriangles, mesh, {}), ReconStatus::Ok);
+  EXPECT_LT(error(mesh, hill), 0.02);
+}
+
+TEST(DenseReconstructor, MakesVoxelsLargerWhereTheSurfaceWouldNotFit) {
+  const RenderedKeyframes scene = renderKeyframes(flat, 6);
+  DenseSettings few_blocks;
+  few_blocks.max_blocks = 300;
+  const std::size_t free = reconstructed(scene).triangles.size();
+  EXPECT_LT(reconstructed(scene, few_blocks).triangles.size(), free * 3 / 4);
+  DenseReconstructor reconstructor(scene.camera, {});
+  for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+  SurfaceMesh mesh;
+  const int limit = static_cast<int>(free / 2);
+  ASSERT_EQ(reconstructor.reconstruct(scene.cloud, limit, mesh, {}), ReconStatus::Ok);
+  EXPECT_LE(mesh.triangles.size(), free / 2);
+}
+
+TEST(DenseReconstructor, NeedsPicturesAndStopsWhenAsked) {
+  const RenderedKeyframes scene = renderKeyframes(flat, 4);
+  DenseReconstructor reconstructor(scene.camera, {});
+  SurfaceMesh mesh;
+  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}),
+            ReconStatus::TooFewPoints);
+  EXPECT_EQ(reconstructor.reconstruct({}, kTriangles, mesh, {}), ReconStatus::TooFewPoints);
+  for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+  std::stop_source source;
+  source.request_stop();
+  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, source.get_token()),
+            ReconStatus::Cancelled);
+  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
+}
+
+}  // namespace
+}  // namespace depthscope::recon

@@ -33,7 +33,7 @@ struct Setting {
 };
 
 /// Every key there is, bound to the fields of `settings`, which must outlive the table. The only
-/// place where a key, its range and its meaning are written down (config/setting_bindings.cpp).
+/// place where a key, its range and its meaning are written down (config/setting_bindings*.cpp).
 std::vector<Setting> settingTable(Settings& settings);
 
 /// What a setting takes, in words: "an integer from 1 to 8", "one of \"off\", \"mesh\"".

@@ -97,9 +97,10 @@ ReconStatus Reconstructor::reconstruct(const SparseCloud& cloud, SurfaceMesh& ou
                                        std::stop_token stop) noexcept {
   try {
     SurfaceMesh mesh;
-    const ReconStatus status =
-        dense_ ? dense_->reconstruct(cloud, settings_.max_triangles, mesh, stop)
-               : sparse(cloud, mesh, stop);
+    ReconStatus status = ReconStatus::TooFewPoints;
+    if (dense_) status = dense_->reconstruct(cloud, settings_.max_triangles, mesh, stop);
+    // At the start, map points bear a surface before depth maps confirm one another.
+    if (status == ReconStatus::TooFewPoints) status = sparse(cloud, mesh, stop);
     if (status != ReconStatus::Ok) return status;
     mesh.map_id = cloud.map_id;
     mesh.version = ++version_;

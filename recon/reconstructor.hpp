@@ -16,7 +16,8 @@ struct KeyframePicture;
 
 /// The tissue surface, by the method of the settings. Sparse: from the map points alone; radius
 /// filter, voxel grid, Moving Least Squares, Poisson, trimmed to where there were observations (Chen
-/// et al. 2017, section 3). Dense: from the keyframes' pictures, see DenseReconstructor.
+/// et al. 2017, section 3). Dense: from the keyframes' pictures, see DenseReconstructor; from the
+/// map points for as long as too few pictures confirm one another.
 /// Deterministic: the same pictures and clouds in the same order give the same meshes.
 class Reconstructor {
  public:

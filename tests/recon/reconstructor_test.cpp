@@ -125,6 +125,21 @@ TEST(Reconstructor, LeavesTheMeshAloneWhenThereAreTooFewPoints) {
   EXPECT_TRUE(sameBits(mesh.vertices, before));
 }
 
+TEST(Reconstructor, GoesByMapPointsUntilPicturesConfirmOneAnother) {
+  CameraModel camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 500;
+  camera.cx = 320;
+  camera.cy = 240;
+  ReconSettings settings = sparseSettings();
+  settings.method = ReconSettings::Method::Dense;
+  const SparseCloud cloud = heightCloud(flat, 40, 0.01f);
+  SurfaceMesh mesh;
+  ASSERT_EQ(Reconstructor(camera, settings).reconstruct(cloud, mesh), ReconStatus::Ok);
+  EXPECT_TRUE(sameBits(mesh.vertices, reconstructed(cloud).vertices));
+}
+
 TEST(Reconstructor, CountsOnlyFinitePoints) {
   SparseCloud cloud = heightCloud(flat, 20, 0.01f);
   for (auto& p : cloud.points) p.position.x() = std::numeric_limits<float>::quiet_NaN();

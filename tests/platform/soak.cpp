@@ -32,7 +32,7 @@ struct Slack {
   std::size_t heap_bytes;
   long resident_kb;
 };
-constexpr Slack long_slack{256 << 10, 512}, short_slack{3 << 20, 4096};
+constexpr Slack long_slack{256 << 10, 2048}, short_slack{3 << 20, 4096};
 
 struct Held {
   std::size_t heap_bytes = 0;

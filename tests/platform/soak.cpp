@@ -32,6 +32,8 @@ struct Slack {
   std::size_t heap_bytes;
   long resident_kb;
 };
+// Once in a while a rare moment touches pages for the first time; 2 MiB over hours are still less
+// than 3 kB for each new surface.
 constexpr Slack long_slack{256 << 10, 2048}, short_slack{3 << 20, 4096};
 
 struct Held {

@@ -141,9 +141,18 @@ def a_monitor_unplugged_is_said_and_lit_again(box):
 
 
 def damaged_frames_are_not_shown(box):
+    """vivid flags the buffer that comes next, be it one that the tower sends or one that the card receives: the tower
+    holds meanwhile, and a flag that went to a picture still under way is followed by another."""
     before = box.status()["frames_damaged"]
-    box.tower.damage_one_frame()
-    box.wait_for_status(lambda s: s["frames_damaged"] > before, 30, "a damaged frame is counted")
+    box.tower.hold()
+
+    def counted(status):
+        if status["frames_damaged"] > before:
+            return True
+        box.tower.damage_one_frame()
+        return False
+    box.wait_for_status(counted, 30, "a damaged frame is counted")
+    box.tower.go_on()
     wait_for_tower(box)
 
 

@@ -44,6 +44,10 @@ struct FileSourceSettings {
 std::unique_ptr<FrameSource> openFileSource(const FileSourceSettings& settings,
                                             PacingClock& clock = PacingClock::steady());
 
+/// The pictures of a folder that make its clip, frame by frame: .png, .jpg and .jpeg in byte order
+/// of their names, hidden files passed over. Throws InputError when there are none.
+std::vector<std::filesystem::path> listPictures(const std::filesystem::path& folder);
+
 /// Number of frames in the clip, where the container or the folder tells; else 0.
 /// Throws InputError like openFileSource, but decodes nothing.
 std::int64_t countFrames(const std::filesystem::path& path);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "capture/file_source.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::capture {
@@ -21,20 +22,6 @@ bool hasPictureName(const fs::path& path) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return path.filename().string().front() != '.' &&
          (extension == ".png" || extension == ".jpg" || extension == ".jpeg");
-}
-
-std::vector<fs::path> listPictures(const fs::path& folder) {
-  std::vector<fs::path> pictures;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (hasPictureName(it->path()) && it->is_regular_file(error)) pictures.push_back(it->path());
-  if (error) throw InputError(folder.string() + ": cannot be listed (" + error.message() + ")");
-  if (pictures.empty())
-    throw InputError(folder.string() + ": no pictures (.png, .jpg) in this folder");
-  std::sort(pictures.begin(), pictures.end(), [](const fs::path& a, const fs::path& b) {
-    return a.filename().native() < b.filename().native();
-  });
-  return pictures;
 }
 
 std::string sizeText(const ImageHeader& header) {
@@ -54,6 +41,20 @@ AvPtr<AVCodecContext> openImageDecoder(AVCodecID codec) {
 }
 
 }  // namespace
+
+std::vector<fs::path> listPictures(const fs::path& folder) {
+  std::vector<fs::path> pictures;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (hasPictureName(it->path()) && it->is_regular_file(error)) pictures.push_back(it->path());
+  if (error) throw InputError(folder.string() + ": cannot be listed (" + error.message() + ")");
+  if (pictures.empty())
+    throw InputError(folder.string() + ": no pictures (.png, .jpg) in this folder");
+  std::sort(pictures.begin(), pictures.end(), [](const fs::path& a, const fs::path& b) {
+    return a.filename().native() < b.filename().native();
+  });
+  return pictures;
+}
 
 ImageFolder::ImageFolder(const fs::path& path) : packet_(makeAvPacket()) {
   silenceAv();

@@ -33,7 +33,7 @@ ArProcess::ArProcess(ArOptions options)
       memory_(attachChecked(options_)),
       frames_(memory_),
       surfaces_(memory_),
-      live_(options_.camera, options_.settings.slam, options_.settings.recon),
+      live_(options_.camera, options_.settings.slam, &options_.settings.recon),
       labels_({}),
       picture_(static_cast<std::size_t>(options_.camera.width) *
                static_cast<std::size_t>(options_.camera.height)) {

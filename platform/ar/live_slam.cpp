@@ -6,22 +6,27 @@
 #include "types/allocation_scope.hpp"
 
 namespace depthscope::platform {
+
 LiveSlam::LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam,
-                   const recon::ReconSettings& recon)
+                   const recon::ReconSettings* recon)
     : slam_(camera, slam, slam::MappingMode::Threaded),
-      schedule_(recon.period_s),
-      worker_(camera, recon, [this](const recon::ReconReport& report) {
-        if (report.status == recon::ReconStatus::OutOfMemory ||
-            report.status == recon::ReconStatus::Failed)
-          log(LogPriority::Warning, "reconstruction failed",
-              {{"why", recon::toString(report.status)}, {"points", report.points}});
-        if (report.status != recon::ReconStatus::Ok) return;
-        const std::lock_guard lock(times_mutex_);
-        reconstruct_ms_.add(report.duration_ms);
-      }) {
+      schedule_(recon == nullptr ? 0 : recon->period_s) {
+  if (recon == nullptr) return;
   cloud_.points.reserve(static_cast<std::size_t>(slam.capacity.map_points));
   cloud_.keyframes_T_camera_world.reserve(static_cast<std::size_t>(slam.capacity.keyframes));
   cloud_.keyframe_frames.reserve(static_cast<std::size_t>(slam.capacity.keyframes));
+  worker_.emplace(camera, *recon,
+                  [this](const recon::ReconReport& report) { reconstructed(report); });
+}
+
+void LiveSlam::reconstructed(const recon::ReconReport& report) {
+  if (report.status == recon::ReconStatus::OutOfMemory ||
+      report.status == recon::ReconStatus::Failed)
+    log(LogPriority::Warning, "reconstruction failed",
+        {{"why", recon::toString(report.status)}, {"points", report.points}});
+  if (report.status != recon::ReconStatus::Ok) return;
+  const std::lock_guard lock(times_mutex_);
+  reconstruct_ms_.add(report.duration_ms);
 }
 
 PoseEstimate LiveSlam::track(const GrayView& luma, std::int64_t frame, double timestamp_s) {
@@ -30,14 +35,14 @@ PoseEstimate LiveSlam::track(const GrayView& luma, std::int64_t frame, double ti
     const AllocationScope counted;
     estimate = slam_.track(luma, frame, timestamp_s);
     view_changed_ |= view_.add(slam_.view(), timestamp_s);
-    if (slam_.madeKeyframe()) worker_.addKeyframe(luma, frame);
+    if (worker_ && slam_.madeKeyframe()) worker_->addKeyframe(luma, frame);
   }
   if (estimate.map_id != map_id_) {
-    worker_.cancel();
+    if (worker_) worker_->cancel();
     map_id_ = estimate.map_id;
     schedule_.restart();
   }
-  if (estimate.state == TrackingState::Tracking) requestWhenDue(estimate);
+  if (worker_ && estimate.state == TrackingState::Tracking) requestWhenDue(estimate);
   return estimate;
 }
 
@@ -45,13 +50,13 @@ void LiveSlam::requestWhenDue(const PoseEstimate& estimate) {
   const bool due = schedule_.due(estimate.timestamp_s);
   if (!due && !surface_wanted_) return;
   slam_.copyCloud(cloud_);
-  if (!worker_.request(cloud_)) return;  // busy with the exchange: the next frame asks again
+  if (!worker_->request(cloud_)) return;  // busy with the exchange: the next frame asks again
   surface_wanted_ = false;
   schedule_.surfaceRequested(estimate.timestamp_s);
 }
 
 bool LiveSlam::takeSurface(SurfaceMesh& mesh) {
-  return worker_.takeNewest(mesh) && mesh.map_id == map_id_;
+  return worker_ && worker_->takeNewest(mesh) && mesh.map_id == map_id_;
 }
 
 bool LiveSlam::takeView(ViewOutline& view) {
@@ -61,7 +66,7 @@ bool LiveSlam::takeView(ViewOutline& view) {
 }
 
 void LiveSlam::reset() {
-  worker_.cancel();
+  if (worker_) worker_->cancel();
   slam_.reset();
   view_.reset();
   schedule_.restart();

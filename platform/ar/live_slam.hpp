@@ -1,5 +1,6 @@
 #pragma once
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "platform/ar/steady_view.hpp"
@@ -14,8 +15,9 @@ namespace depthscope::platform {
 /// reconstruction in threads of their own; a new surface is asked for every period or on demand.
 class LiveSlam {
  public:
+  /// Makes no surfaces where `recon` is null.
   LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam,
-           const recon::ReconSettings& recon);
+           const recon::ReconSettings* recon);
 
   /// Tracks one picture and asks for a surface when one is due. From one thread.
   PoseEstimate track(const GrayView& luma, std::int64_t frame, double timestamp_s);
@@ -30,9 +32,9 @@ class LiveSlam {
   /// Forgets everything and starts over. From the tracking thread.
   void reset();
 
-  /// Ends reconstruction in the background and hands out what it worked with. Nothing may be tracked
-  /// after it.
-  recon::Reconstructor& finishReconstruction() { return worker_.finish(); }
+  /// Ends reconstruction in the background and hands out what it worked with, null where no
+  /// surfaces are made. Nothing may be tracked after it.
+  recon::Reconstructor* finishReconstruction() { return worker_ ? &worker_->finish() : nullptr; }
 
   const slam::SlamSystem& slam() const { return slam_; }
   /// Times of the surfaces made so far [ms].
@@ -40,6 +42,8 @@ class LiveSlam {
 
  private:
   void requestWhenDue(const PoseEstimate& estimate);
+  /// Called in the thread that reconstructs.
+  void reconstructed(const recon::ReconReport& report);
 
   slam::SlamSystem slam_;
   SurfaceSchedule schedule_;
@@ -49,8 +53,8 @@ class LiveSlam {
   bool view_changed_ = false;
   SparseCloud cloud_;
   mutable std::mutex times_mutex_;
-  Histogram reconstruct_ms_;            // guarded by times_mutex_
-  recon::ReconstructionWorker worker_;  // last: its thread uses what stands above
+  Histogram reconstruct_ms_;                           // guarded by times_mutex_
+  std::optional<recon::ReconstructionWorker> worker_;  // last: its thread uses what stands above
 };
 
 }  // namespace depthscope::platform

@@ -26,7 +26,7 @@ OPTIONS
   --pattern P      chessboard or charuco
   --size CxR       inner corners of a chessboard, squares of a ChArUco board
   --square MM      side of a square
-  --input PATH     a folder of pictures, or a video
+  --input PATH     a folder of pictures (png, jpg), or a video
   --out FILE       the camera file to write
   --model M        pinhole (default) or fisheye (for lenses wider than about 120 degrees)
   --k3             pinhole: fit the third radial coefficient too

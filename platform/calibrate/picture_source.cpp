@@ -1,74 +1,50 @@
 #include "platform/calibrate/picture_source.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 #include <vector>
 
+#include "capture/file_source.hpp"
+#include "capture/pixel_convert.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::platform {
 namespace {
 
 namespace fs = std::filesystem;
-using Take = std::function<void(const std::string&, const cv::Mat&)>;
 
-bool isPicture(const fs::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  constexpr std::array<const char*, 7> kKnown = {".png", ".jpg",  ".jpeg", ".bmp",
-                                                 ".tif", ".tiff", ".pgm"};
-  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
-}
-
-PictureSummary fromFolder(const fs::path& folder, const Take& take) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (isPicture(entry.path())) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  if (files.empty())
-    throw InputError(folder.string() + ": holds no pictures (png, jpg, bmp, tif, pgm)");
-  PictureSummary summary;
-  for (const auto& file : files) {
-    const cv::Mat grey = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-    if (grey.empty()) throw InputError(file.string() + ": is not a readable picture");
-    if (summary.count++ == 0) summary.size = grey.size();
-    if (grey.size() != summary.size)
-      throw InputError(file.string() + ": has another size than the pictures before it");
-    take(file.filename().string(), grey);
-  }
-  return summary;
-}
-
-PictureSummary fromVideo(const fs::path& file, double interval_s, const Take& take) {
-  cv::VideoCapture video(file.string());
-  if (!video.isOpened())
-    throw InputError(file.string() + ": is neither a folder nor a readable video");
-  PictureSummary summary;
-  summary.fps = video.get(cv::CAP_PROP_FPS);
-  const int every = std::max(1, static_cast<int>(std::lround(interval_s * summary.fps)));
-  cv::Mat frame, grey;
-  for (int i = 0; video.grab(); ++i) {
-    if (i % every != 0 || !video.retrieve(frame) || frame.empty()) continue;
-    cv::cvtColor(frame, grey, cv::COLOR_BGR2GRAY);
-    if (summary.count++ == 0) summary.size = grey.size();
-    if (grey.size() != summary.size) throw InputError(file.string() + ": changes its size");
-    take("frame " + std::to_string(i), grey);
-  }
-  if (summary.count == 0) throw InputError(file.string() + ": has no readable frames");
-  return summary;
+/// What to call the pictures of a folder; those of a video have no name.
+std::vector<fs::path> namesOf(const fs::path& path) {
+  return fs::is_directory(path) ? capture::listPictures(path) : std::vector<fs::path>{};
 }
 
 }  // namespace
 
-PictureSummary forEachPicture(const fs::path& path, double interval_s, const Take& take) {
-  if (!fs::exists(path))
-    throw InputError(path.string() + ": does not exist, expected a folder or a video");
-  return fs::is_directory(path) ? fromFolder(path, take) : fromVideo(path, interval_s, take);
+PictureSummary forEachPicture(const fs::path& path, double interval_s,
+                              const std::function<void(const std::string&, const cv::Mat&)>& take) {
+  capture::FileSourceSettings settings;
+  settings.path = path;
+  const auto source = capture::openFileSource(settings);
+  const std::vector<fs::path> names = namesOf(path);
+  PictureSummary summary;
+  summary.fps = names.empty() ? source->fps() : 0;
+  summary.size = {source->format().width, source->format().height};
+  const int every = std::max(1, static_cast<int>(std::lround(interval_s * summary.fps)));
+  cv::Mat grey(summary.size, CV_8UC1);
+  for (std::size_t i = 0;; ++i) {
+    const capture::ReadResult result = source->read(std::chrono::milliseconds(0));
+    if (result.status == capture::SourceStatus::EndOfStream) return summary;
+    const std::string name =
+        i < names.size() ? names[i].filename().string() : "frame " + std::to_string(i);
+    if (result.status != capture::SourceStatus::Ok)
+      throw InputError(path.string() + ": " + name + ": " +
+                       std::string(toString(result.status)) +
+                       ", expected a picture of the size of the first");
+    if (i % static_cast<std::size_t>(every) != 0) continue;
+    capture::toGray(result.frame, {grey.data, grey.total()});
+    ++summary.count;
+    take(name, grey);
+  }
 }
 
 }  // namespace depthscope::platform

@@ -13,9 +13,9 @@ struct PictureSummary {
   double fps = 0;  // of the video; 0 for a folder
 };
 
-/// Calls `take(name, grey picture)` for every picture of a folder, in the order of names, or for
-/// pictures of a video, `interval_s` apart. Throws InputError naming the file when there is none,
-/// one cannot be read or sizes differ.
+/// Calls `take(name, grey picture)` for every picture of a folder (capture::listPictures), or for
+/// pictures of a video, `interval_s` apart. The picture is good until `take` returns. Throws
+/// InputError naming the file when there is none, one cannot be read or sizes differ.
 PictureSummary forEachPicture(const std::filesystem::path& path, double interval_s,
                               const std::function<void(const std::string&, const cv::Mat&)>& take);
 

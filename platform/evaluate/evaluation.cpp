@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 
 #include "platform/camera_file.hpp"
+#include "platform/png_reader.hpp"
 #include "recon/mesh_geometry.hpp"
 #include "recon/mesh_io.hpp"
 #include "types/error.hpp"
@@ -44,15 +44,13 @@ std::size_t frameNumber(const fs::path& file) {
 /// Points of one depth map in the world of the truth.
 void addSeen(const fs::path& file, const CameraModel& camera, const StampedPose& pose,
              std::vector<Eigen::Vector3d>& seen) {
-  const cv::Mat depth = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
-  if (depth.empty() || depth.type() != CV_16UC1)
-    throw InputError(file.string() + ": expected a 16-bit grey PNG");
-  if (depth.cols != camera.width || depth.rows != camera.height)
+  const Gray16Picture depth = readGray16Png(file);
+  if (depth.width != camera.width || depth.height != camera.height)
     throw InputError(file.string() + ": its size is not that of camera.yaml");
   const Eigen::Matrix3d R = pose.orientation.toRotationMatrix();
-  for (int y = kDepthMargin_px; y < depth.rows - kDepthMargin_px; y += kDepthStride_px)
-    for (int x = kDepthMargin_px; x < depth.cols - kDepthMargin_px; x += kDepthStride_px) {
-      const double z = depth.at<std::uint16_t>(y, x) / 100.;
+  for (int y = kDepthMargin_px; y < depth.height - kDepthMargin_px; y += kDepthStride_px)
+    for (int x = kDepthMargin_px; x < depth.width - kDepthMargin_px; x += kDepthStride_px) {
+      const double z = depth.at(x, y) / 100.;
       if (z <= kMinDepth_mm || z >= kMaxDepth_mm) continue;
       const Eigen::Vector2d ray = camera.unproject({x, y});
       seen.push_back(R * (Eigen::Vector3d(ray.x(), ray.y(), 1) * z) + pose.position);

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "platform/evaluate/chart.hpp"
+#include "platform/png_writer.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::platform {
@@ -23,12 +23,13 @@ cv::Mat blank(int width, int height, const std::string& title) {
 }
 
 void save(const std::filesystem::path& file, const cv::Mat& canvas) {
-  bool written = false;
+  cv::Mat rgba;
+  cv::cvtColor(canvas, rgba, cv::COLOR_BGR2RGBA);
   try {
-    written = cv::imwrite(file.string(), canvas);
-  } catch (const cv::Exception&) {  // some versions throw instead
+    writePng(file, {rgba.data, rgba.cols, rgba.rows, static_cast<std::ptrdiff_t>(rgba.step)});
+  } catch (const std::runtime_error& e) {
+    throw InputError(e.what());
   }
-  if (!written) throw InputError(file.string() + ": cannot be written");
 }
 
 std::string titled(const char* format, double value) {

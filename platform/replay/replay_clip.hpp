@@ -46,13 +46,12 @@ struct ReplayResult {
 
 /// Takes cloud, trajectory and counts over from SLAM at the end, and gives `result.surface` its
 /// last version: of the whole main map where it can be reconstructed, else the one it had, if of
-/// that map.
-void takeFinalMap(const ReplayOptions& options, const slam::SlamSystem& slam,
-                  recon::Reconstructor& reconstructor, ReplayResult& result);
+/// that map; none without a `reconstructor` (may be null).
+void takeFinalMap(const slam::SlamSystem& slam, recon::Reconstructor* reconstructor,
+                  ReplayResult& result);
 
-/// Reconstructs `cloud` into `mesh` and records the time, that of the pictures since the last surface
-/// included; false, and `mesh` as it was, when there
-/// is no surface.
+/// Reconstructs `cloud` into `mesh` and records the time, that of the pictures since the last
+/// surface included; false, and `mesh` as it was, when there is no surface.
 bool reconstruct(recon::Reconstructor& reconstructor, const SparseCloud& cloud, SurfaceMesh& mesh,
                  RunMetrics& metrics);
 

@@ -17,19 +17,20 @@ class LockstepReplay {
         clip_(clip),
         recorder_(recorder),
         slam_(options.camera, slamSettings(options, clip), slam::MappingMode::Lockstep),
-        reconstructor_(options.camera, options.settings.recon),
         labels_(options.labels),
         gray_(static_cast<std::size_t>(options.camera.width) *
               static_cast<std::size_t>(options.camera.height)),
         schedule_(options.settings.recon.period_s),
-        result_{RunRecord(clip.frameCapacity()), {}, {}, {}} {}
+        result_{RunRecord(clip.frameCapacity()), {}, {}, {}} {
+    if (options.surface) reconstructor_.emplace(options.camera, options.settings.recon);
+  }
 
   ReplayResult run() {
     std::int64_t frames = 0;
     for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty();
          frame = nextFrame(options_, clip_)) {
       const PoseEstimate estimate = track(frame);
-      if (options_.surface && slam_.madeKeyframe()) keepPicture(lumaOf(frame), estimate.frame);
+      if (reconstructor_ && slam_.madeKeyframe()) keepPicture(lumaOf(frame), estimate.frame);
       reconstructWhenDue(estimate);
       show(frame, estimate);
       ++frames;
@@ -56,21 +57,21 @@ class LockstepReplay {
   }
 
   void keepPicture(const GrayView& luma, std::int64_t frame) {
-    if (reconstructor_.pictureReduction() == 0) return;
+    if (reconstructor_->pictureReduction() == 0) return;
     const Stopwatch watch;
     picture_.frame = frame;
-    recon::reducePicture(luma, reconstructor_.pictureReduction(), picture_.luma);
-    reconstructor_.addKeyframe(picture_);
+    recon::reducePicture(luma, reconstructor_->pictureReduction(), picture_.luma);
+    reconstructor_->addKeyframe(picture_);
     result_.record.metrics().pictures_ms += watch.elapsedMs();
   }
 
   void reconstructWhenDue(const PoseEstimate& estimate) {
-    if (!options_.surface || estimate.state != TrackingState::Tracking ||
+    if (!reconstructor_ || estimate.state != TrackingState::Tracking ||
         !schedule_.due(estimate.timestamp_s))
       return;
     schedule_.surfaceRequested(estimate.timestamp_s);
     slam_.copyCloud(result_.cloud);
-    if (!reconstruct(reconstructor_, result_.cloud, result_.surface, result_.record.metrics()) ||
+    if (!reconstruct(*reconstructor_, result_.cloud, result_.surface, result_.record.metrics()) ||
         recorder_ == nullptr)
       return;
     recorder_->compositor().setSurface(result_.surface);
@@ -89,7 +90,7 @@ class LockstepReplay {
   ReplayResult finish(std::int64_t frames) {
     result_.record.close();
     result_.record.metrics().frames = frames;
-    takeFinalMap(options_, slam_, reconstructor_, result_);
+    takeFinalMap(slam_, reconstructor_ ? &*reconstructor_ : nullptr, result_);
     return std::move(result_);
   }
 
@@ -97,7 +98,7 @@ class LockstepReplay {
   ReplayClip& clip_;
   OverlayRecorder* recorder_;
   slam::SlamSystem slam_;
-  recon::Reconstructor reconstructor_;
+  std::optional<recon::Reconstructor> reconstructor_;  // none where no surface is wanted
   SteadyView view_;
   recon::KeyframePicture picture_;
   LabelBoard labels_;

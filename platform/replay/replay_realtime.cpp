@@ -15,8 +15,8 @@ class RealtimeReplay {
         labels_(options.labels),
         gray_(static_cast<std::size_t>(options.camera.width) *
               static_cast<std::size_t>(options.camera.height)),
-        tracking_(options.camera, slamSettings(options, clip), reconSettings(options),
-                  clip.frameCapacity()) {}
+        tracking_(options.camera, slamSettings(options, clip),
+                  options.surface ? &options.settings.recon : nullptr, clip.frameCapacity()) {}
 
   ReplayResult run() {
     std::int64_t frames = 0;
@@ -31,12 +31,6 @@ class RealtimeReplay {
   }
 
  private:
-  static recon::ReconSettings reconSettings(const ReplayOptions& options) {
-    recon::ReconSettings settings = options.settings.recon;
-    if (!options.surface) settings.period_s = 0;
-    return settings;
-  }
-
   void offer(const capture::Frame& frame) {
     GrayView luma = frame.luma();
     if (luma.empty()) {
@@ -70,8 +64,7 @@ class RealtimeReplay {
     metrics.reconstruct = tracking_.live().reconstructTimes();
     metrics.surfaces = static_cast<std::int64_t>(metrics.reconstruct.count());
     metrics.composite = composite_ms_;
-    takeFinalMap(options_, tracking_.live().slam(), tracking_.live().finishReconstruction(),
-                 result);
+    takeFinalMap(tracking_.live().slam(), tracking_.live().finishReconstruction(), result);
     return result;
   }
 

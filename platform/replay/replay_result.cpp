@@ -19,11 +19,11 @@ bool reconstruct(recon::Reconstructor& reconstructor, const SparseCloud& cloud, 
   return true;
 }
 
-void takeFinalMap(const ReplayOptions& options, const slam::SlamSystem& slam,
-                  recon::Reconstructor& reconstructor, ReplayResult& result) {
+void takeFinalMap(const slam::SlamSystem& slam, recon::Reconstructor* reconstructor,
+                  ReplayResult& result) {
   RunMetrics& metrics = result.record.metrics();
   slam.copyMainCloud(result.cloud);
-  if (options.surface) reconstruct(reconstructor, result.cloud, result.surface, metrics);
+  if (reconstructor != nullptr) reconstruct(*reconstructor, result.cloud, result.surface, metrics);
   // A surface of another map is not in the trajectory's frame.
   if (result.surface.map_id != result.cloud.map_id) result.surface.clear();
   metrics.surface_triangles = result.surface.triangles.size();

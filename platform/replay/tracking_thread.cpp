@@ -6,7 +6,7 @@
 namespace depthscope::platform {
 
 TrackingThread::TrackingThread(const CameraModel& camera, const slam::SlamSettings& slam,
-                               const recon::ReconSettings& recon, std::int64_t expected_frames)
+                               const recon::ReconSettings* recon, std::int64_t expected_frames)
     : width_(camera.width),
       height_(camera.height),
       live_(camera, slam, recon),

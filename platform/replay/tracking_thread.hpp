@@ -15,7 +15,7 @@ namespace depthscope::platform {
 class TrackingThread {
  public:
   TrackingThread(const CameraModel& camera, const slam::SlamSettings& slam,
-                 const recon::ReconSettings& recon, std::int64_t expected_frames);
+                 const recon::ReconSettings* recon, std::int64_t expected_frames);
   ~TrackingThread();
 
   /// Copies the picture. Throws what stopped the thread, if something did.

@@ -283,7 +283,7 @@ TEST_F(Calibrate, NamesWhatIsWrongAndWritesNothing) {
     words.push_back(input);
     return error(words);
   };
-  EXPECT_THAT(with((dir_ / "nowhere").string()), HasSubstr("does not exist"));
+  EXPECT_THAT(with((dir_ / "nowhere").string()), HasSubstr("no such file"));
   EXPECT_THAT(with(in), HasSubstr("no pictures"));
   std::ofstream(dir_ / "pictures" / "a.png") << "not a picture";
   EXPECT_THAT(with(in), HasSubstr("a.png"));

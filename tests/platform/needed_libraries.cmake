@@ -1,12 +1,18 @@
-# Fails when PROGRAM needs, itself or by way of its libraries, anything of OpenCV or PCL.
+# Fails when PROGRAM needs a library of DIRECT by its own link line, or one of ANYWHERE, itself or by way of its
+# libraries. Both are lists of the beginnings of names.
 find_program(READELF readelf REQUIRED)
 execute_process(COMMAND ${READELF} --dynamic ${PROGRAM} OUTPUT_VARIABLE direct COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ldd ${PROGRAM} OUTPUT_VARIABLE all COMMAND_ERROR_IS_FATAL ANY)
 if(NOT direct MATCHES "NEEDED.*libavformat")
   message(FATAL_ERROR "${PROGRAM}: no list of needed libraries found, the check is void")
 endif()
-foreach(library opencv pcl_ boost vtk)
-  if(direct MATCHES "NEEDED[^\n]*lib${library}[^\n]*" OR (library MATCHES "opencv|pcl_" AND all MATCHES "lib${library}[^\n]*"))
+foreach(library ${DIRECT} ${ANYWHERE})
+  if(direct MATCHES "NEEDED[^\n]*lib${library}[^\n]*")
+    message(FATAL_ERROR "${PROGRAM} needs ${CMAKE_MATCH_0}")
+  endif()
+endforeach()
+foreach(library ${ANYWHERE})
+  if(all MATCHES "lib${library}[^\n]*")
     message(FATAL_ERROR "${PROGRAM} needs ${CMAKE_MATCH_0}")
   endif()
 endforeach()

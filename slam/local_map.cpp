@@ -7,7 +7,7 @@ namespace depthscope::slam {
 LocalPoint makeLocalPoint(const Map& map, PointId id) {
   const MapPoint& p = map.point(id);
   return {map.ref(id),    p.position,   p.normal.cast<float>(), p.min_distance,
-          p.max_distance, p.descriptor, p.observation_count};
+          p.max_distance, p.descriptor, p.observation_count,    false};
 }
 
 LocalMap::LocalMap(const SlamSettings& settings)
@@ -17,6 +17,7 @@ LocalMap::LocalMap(const SlamSettings& settings)
   neighbour_votes_.resize(settings.capacity.keyframes);
   chosen_.reserve(settings.capacity.keyframes);
   point_stamp_.resize(settings.capacity.map_points, 0);
+  tracked_stamp_.resize(settings.capacity.map_points, 0);
   keyframe_stamp_.resize(settings.capacity.keyframes, 0);
 }
 
@@ -34,6 +35,7 @@ void LocalMap::collect(const Map& map, std::span<const PointRef> tracked) {
   for (const PointRef& ref : tracked) {
     const PointId id = map.resolve(ref);
     if (id == kNone) continue;
+    tracked_stamp_[id] = stamp_;
     for (const Observation& o : map.observations(id)) ++votes_[o.keyframe];
   }
   // Most votes first; equal votes: the newer keyframe.
@@ -66,6 +68,7 @@ void LocalMap::collect(const Map& map, std::span<const PointRef> tracked) {
       if (points_.size() == points_.capacity()) return;
       point_stamp_[id] = stamp_;
       points_.push_back(makeLocalPoint(map, id));
+      points_.back().tracked = tracked_stamp_[id] == stamp_;
     }
   }
 }

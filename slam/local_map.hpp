@@ -14,6 +14,7 @@ struct LocalPoint {
   float min_distance, max_distance;
   Descriptor descriptor;
   std::int32_t observations;
+  bool tracked;  // the frame has it already
 };
 
 /// A copy of the part of the map around the camera. Arrays of fixed capacity; methods that read the
@@ -38,6 +39,7 @@ class LocalMap {
   std::vector<int> votes_, neighbour_votes_;  // per keyframe
   std::vector<KeyframeId> chosen_;
   std::vector<std::int64_t> point_stamp_, keyframe_stamp_;  // collect() that last took them
+  std::vector<std::int64_t> tracked_stamp_;                 // likewise, of the frame's points
   std::int64_t stamp_ = 0;
   KeyframeId reference_ = kNone;
 };

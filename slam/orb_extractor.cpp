@@ -11,7 +11,8 @@ namespace {
 
 // [px] of each level: the patch lies in the picture, and so does what smoothes it.
 constexpr int kMargin = kPatchRadius + 1;
-constexpr int kCell = 32;  // [px] of each level: cell of the adaptive threshold
+constexpr int kCell = 32;     // [px] of each level: cell of the adaptive threshold
+constexpr int kHalvings = 2;  // of the thresholds, at most
 // Reach of a corner's own neighbourhood [px of its level]: the circle of FAST and the blur of a
 // highlight.
 constexpr double kSpecularReach = 5;
@@ -40,9 +41,9 @@ OrbExtractor::OrbExtractor(const ExtractorSettings& settings, const CameraModel&
   for (int l = 0; l < settings.levels; ++l) {
     const double scale = pyramid_.scale(l);
     scale_factors_.push_back(static_cast<float>(scale));
-    sigma2_.push_back(static_cast<float>(scale * scale));
     corners_[l].reserve(maximaCapacity(pyramid_.level(l)));
     smooth_.emplace_back(pyramid_.level(l).width(), pyramid_.level(l).height());
+    smooth_before_.emplace_back(pyramid_.level(l).width(), pyramid_.level(l).height());
   }
 }
 
@@ -50,14 +51,16 @@ void OrbExtractor::extract(const GrayView& image, FeatureSet& out) {
   out.keypoints.clear();
   out.descriptors.clear();
   if (!image.empty() && image.width == camera_.width && image.height == camera_.height) {
+    std::swap(smooth_, smooth_before_);
     pyramid_.build(image, path_);
     highlights_.update(pyramid_);
     view_.update(pyramid_);
     for (int l = 0; l < settings_.levels; ++l) smoothing_(pyramid_.level(l), smooth_[l], path_);
     detect(settings_.fast_threshold, settings_.fast_threshold_min);
     // Little texture: what there is of it is worth more than its noise costs.
-    if (foundCorners() < settings_.features)
-      detect(settings_.fast_threshold / 2, settings_.fast_threshold_min / 2);
+    for (int halved = 1; halved <= kHalvings && foundCorners() < settings_.features; ++halved)
+      detect(std::max(1, settings_.fast_threshold >> halved),
+             std::max(1, settings_.fast_threshold_min >> halved));
     shareQuota();
     for (int l = 0; l < settings_.levels; ++l) describeLevel(l, out);
   }
@@ -141,14 +144,39 @@ void OrbExtractor::describeLevel(int l, FeatureSet& out) {
   }
 }
 
-/// Nothing where the lens model cannot be undone.
+bool OrbExtractor::describe(const Eigen::Vector2d& captured, int octave, FeatureSet& out,
+                            int slot) const {
+  const ImageBuffer& image = smooth_[octave];
+  const Eigen::Array2i place =
+      ((captured.array() + 0.5) / pyramid_.scale(octave) - 0.5).round().cast<int>();
+  const Corner corner{static_cast<std::int16_t>(place.x()), static_cast<std::int16_t>(place.y())};
+  if (place.x() < kMargin || place.y() < kMargin || place.x() >= image.width() - kMargin ||
+      place.y() >= image.height() - kMargin || !isOnTissue(corner, octave))
+    return false;
+  const std::optional<Keypoint> keypoint = keypointAt(captured, corner, octave);
+  if (!keypoint) return false;
+  if (slot == out.size()) {
+    out.keypoints.emplace_back();
+    out.descriptors.emplace_back();
+  }
+  out.keypoints[slot] = *keypoint;
+  out.descriptors[slot] = brief_(image.row(corner.y) + corner.x, image.stride(), keypoint->angle);
+  return true;
+}
+
 std::optional<Keypoint> OrbExtractor::keypointAt(const Corner& corner, int l) const {
+  const ImageBuffer& image = smooth_[l];
+  const Eigen::Vector2d place = Eigen::Vector2d(corner.x, corner.y) +
+                                refineCorner(image.row(corner.y) + corner.x, image.stride());
+  return keypointAt(((place.array() + 0.5) * pyramid_.scale(l) - 0.5).matrix(), corner, l);
+}
+
+/// Nothing where the lens model cannot be undone.
+std::optional<Keypoint> OrbExtractor::keypointAt(const Eigen::Vector2d& captured,
+                                                 const Corner& corner, int l) const {
   const double scale = pyramid_.scale(l);
   const ImageBuffer& image = smooth_[l];
   const std::uint8_t* centre = image.row(corner.y) + corner.x;
-  const Eigen::Vector2d place =
-      Eigen::Vector2d(corner.x, corner.y) + refineCorner(centre, image.stride());
-  const Eigen::Vector2d captured = ((place.array() + 0.5) * scale - 0.5).matrix();
   const auto undistorted = undistortion_(captured);
   if (!undistorted) return std::nullopt;
   Keypoint k;

@@ -11,6 +11,7 @@
 #include "slam/field_of_view.hpp"
 #include "slam/highlight_mask.hpp"
 #include "slam/image_pyramid.hpp"
+#include "slam/optical_flow.hpp"
 #include "slam/simd_dispatch.hpp"
 #include "slam/slam_settings.hpp"
 #include "slam/undistortion_map.hpp"
@@ -32,10 +33,18 @@ class OrbExtractor {
   /// of another size gives no features. Does not allocate.
   void extract(const GrayView& image, FeatureSet& out);
 
+  /// Describes the place `captured` [px of full resolution] of the last picture as a feature of
+  /// `octave`, corner or not, in place of feature `slot` of `out`, whose grid is not built anew; in
+  /// place of none when `slot` is its size. False where it is not on tissue or too near to a
+  /// border.
+  bool describe(const Eigen::Vector2d& captured, int octave, FeatureSet& out, int slot) const;
+
+  /// The last picture, and the one before it.
+  SmoothedPyramid lastPicture() const { return {smooth_, scale_factors_}; }
+  SmoothedPyramid pictureBefore() const { return {smooth_before_, scale_factors_}; }
+
   /// Pixels of full resolution per pixel of octave l.
   std::span<const float> scaleFactors() const { return scale_factors_; }
-  /// [px^2] variance assumed for a keypoint of octave l where undistortion does not magnify.
-  std::span<const float> sigma2() const { return sigma2_; }
   const ImagePyramid& pyramid() const { return pyramid_; }
   const HighlightMask& highlights() const { return highlights_; }
   const FieldOfView& fieldOfView() const { return view_; }
@@ -49,11 +58,13 @@ class OrbExtractor {
   void shareQuota();
   void describeLevel(int l, FeatureSet& out);
   std::optional<Keypoint> keypointAt(const Corner& corner, int l) const;
+  std::optional<Keypoint> keypointAt(const Eigen::Vector2d& captured, const Corner& corner,
+                                     int l) const;
 
   ExtractorSettings settings_;
   CameraModel camera_;
   SimdPath path_;
-  std::vector<float> scale_factors_, sigma2_;
+  std::vector<float> scale_factors_;
 
   ImagePyramid pyramid_;
   HighlightMask highlights_;
@@ -68,6 +79,7 @@ class OrbExtractor {
   std::vector<int> wanted_;                   // corners to keep of each level
   std::vector<std::uint8_t> cell_best_;       // best score in each cell of the level at work
   std::vector<ImageBuffer> smooth_;           // each level smoothed once
+  std::vector<ImageBuffer> smooth_before_;    // of the picture before
 };
 
 }  // namespace depthscope::slam

@@ -84,6 +84,14 @@ int PoseTracker::trackKeyframe(KeyframeId keyframe, TrackedFrame& frame) {
   return optimize(frame);
 }
 
+int PoseTracker::trackOwnPoints(TrackedFrame& frame) {
+  {
+    const std::lock_guard lock(map_.mutex);
+    lookUpPositions(frame);
+  }
+  return optimize(frame);
+}
+
 int PoseTracker::trackLocalMap(TrackedFrame& frame, double search_scale) {
   {
     const std::lock_guard lock(map_.mutex);
@@ -125,6 +133,7 @@ void PoseTracker::projectLocalMap(const Pose& T, double search_scale) {
     const double cos_view = (R_world_camera * p).dot(lp.normal.cast<double>()) / distance;
     if (cos_view < kMaxViewAngleCos) continue;
     visible_.push_back(lp.ref);
+    if (lp.tracked) continue;
     const Eigen::Vector2f undistorted = intrinsics_.project(p).cast<float>();
     const int level = map_.predictLevel(lp.max_distance, distance);
     const double radius = settings_.matching.map_radius_px * search_scale *

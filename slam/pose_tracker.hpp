@@ -39,6 +39,8 @@ class PoseTracker {
   int trackLastFrame(const TrackedFrame& last, TrackedFrame& frame);
   /// Looks for the points of a keyframe by descriptor alone; starts from the pose in `frame`.
   int trackKeyframe(KeyframeId keyframe, TrackedFrame& frame);
+  /// Takes the points that the frame has for what they are; starts from its pose.
+  int trackOwnPoints(TrackedFrame& frame);
   /// Looks for all points of the map around, given a frame that has some points and a pose already.
   /// `search_scale` widens the windows, for a pose that is only roughly known.
   int trackLocalMap(TrackedFrame& frame, double search_scale = 1);

@@ -24,6 +24,7 @@ Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& m
       extractor_(settings.extractor, camera),
       initializer_(settings, camera),
       pose_tracker_(camera, settings, map),
+      point_carrier_(camera, settings, map, extractor_),
       recovery_(camera, settings, map, database, pose_tracker_),
       current_(settings.extractor.features, camera),
       last_(settings.extractor.features, camera) {}
@@ -116,6 +117,8 @@ bool Tracker::trackFromLastFrame() {
   current_.T_camera_world =
       has_motion_ ? T_current_last_ * last_.T_camera_world : last_.T_camera_world;
   int found = pose_tracker_.trackLastFrame(last_, current_);
+  if (found < settings_.carry_below && point_carrier_.carry(last_, current_) > 0)
+    found = pose_tracker_.trackOwnPoints(current_);
   if (found < settings_.min_motion_inliers) {
     current_.T_camera_world = last_.T_camera_world;
     found = reference_ == kNone ? 0 : pose_tracker_.trackKeyframe(reference_, current_);

@@ -2,6 +2,7 @@
 #include "slam/map_initializer.hpp"
 #include "slam/mapper.hpp"
 #include "slam/orb_extractor.hpp"
+#include "slam/point_carrier.hpp"
 #include "slam/pose_tracker.hpp"
 #include "slam/recovery.hpp"
 #include "types/tracking.hpp"
@@ -50,6 +51,7 @@ class Tracker {
   OrbExtractor extractor_;
   MapInitializer initializer_;
   PoseTracker pose_tracker_;
+  PointCarrier point_carrier_;
   Recovery recovery_;
 
   TrackedFrame current_, last_;

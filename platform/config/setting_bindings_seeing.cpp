@@ -105,6 +105,11 @@ void bindSlam(SettingBinder& b, slam::SlamSettings& s) {
            "share of the last frame's points; less: lost");
   b.number("min_found", s.tracker.min_found, 0, 1,
            "share of the points expected in the picture; less in the local map: lost");
+  b.number("carry_below", s.tracker.carry_below, 0, 10000,
+           "fewer points of the last frame found by descriptor: optical flow carries the others; "
+           "0: never");
+  b.number("flow_sigma_px", s.tracker.flow_sigma_px, 0.01, 5,
+           "[px of a feature's level] error of optical flow from one picture to the next");
   b.number("local_keyframes", s.tracker.local_keyframes, 1, 1000,
            "that a frame's local map is made from");
   b.number("keyframe_ratio", s.tracker.keyframe_ratio, 0, 1,

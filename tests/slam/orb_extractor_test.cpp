@@ -113,10 +113,10 @@ TEST(OrbExtractor, LowersItsThresholdsWhereThereIsLittleTexture) {
   const ImageBuffer image = testing::draw(kWidth, kHeight, [](double x, double y) {
     return 100 + 0.14 * testing::TissueTexture(22)(x, y);
   });
-  // Halved, these are the thresholds that the default settings try first.
+  // Halved twice, these are the thresholds that the default settings try first.
   ExtractorSettings strict;
-  strict.fast_threshold *= 2;
-  strict.fast_threshold_min *= 2;
+  strict.fast_threshold *= 4;
+  strict.fast_threshold_min *= 4;
   OrbExtractor extractor(strict, pinhole());
   FeatureSet few(strict.features, pinhole());
   extractor.extract(image.view(), few);

@@ -1,0 +1,50 @@
+#include "slam/pose_tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/slam/synthetic_map.hpp"
+
+namespace depthscope::slam {
+namespace {
+
+using namespace testing;
+
+TEST(PoseTracker, FindsAPointInOneFeatureOnly) {
+  const SlamSettings settings = smallSettings();
+  const World world(150);
+  const auto poses = sidewaysPoses(3);
+  MappedWorld mapped(settings, world, poses);
+  PoseTracker tracker(testCameraModel(), settings, mapped.map);
+
+  // Every feature twice, half a pixel apart; the first of each is known already.
+  TrackedFrame frame(settings.extractor.features, testCameraModel());
+  std::vector<int> ids;
+  frame.features = world.view(poses[1], ids);
+  frame.T_camera_world = poses[1];
+  const int seen = frame.features.size();
+  int known = 0;
+  for (int f = 0; f < seen; ++f) {
+    Keypoint double_of = frame.features.keypoints[f];
+    double_of.x = double_of.ux += 0.5F;
+    frame.features.keypoints.push_back(double_of);
+    frame.features.descriptors.push_back(frame.features.descriptors[f]);
+    if (const PointId p = mapped.point_of[ids[f]]; p != kNone) {
+      frame.points[f] = mapped.map.ref(p);
+      ++known;
+    }
+  }
+  ASSERT_LE(frame.features.size(), settings.extractor.features);
+  frame.features.grid.build(frame.features.keypoints);
+
+  const int inliers = tracker.trackLocalMap(frame);
+  EXPECT_EQ(inliers, known);
+  std::multiset<PointId> points;
+  for (int f = 0; f < frame.features.size(); ++f)
+    if (frame.points[f].id != kNone) points.insert(frame.points[f].id);
+  for (const PointId p : points) EXPECT_EQ(points.count(p), 1u);
+}
+
+}  // namespace
+}  // namespace depthscope::slam

@@ -18,7 +18,7 @@ class Box:
     def install(self):
         """The package, from the payload disk, as an administrator would."""
         self.run("mkdir -p /run/payload && mount -o ro /dev/vdb /run/payload")
-        self.run("dpkg --install /run/payload/depthscope.deb", limit_s=300)
+        self.run("dpkg --install /run/payload/depthscope.deb")
 
     def configure(self):
         self.run("cp /run/payload/depthscope.toml /etc/depthscope/depthscope.toml")
@@ -38,19 +38,19 @@ class Box:
         answer = self.run("/run/payload/ask status", check=False)
         return json.loads(answer) if answer.startswith("{") else {}
 
-    def wait_for_status(self, condition, limit_s, what):
+    def wait_for_status(self, condition, what):
         """Until `condition(status)` holds; the status."""
         def ask():
             status = self.status()
             return status if status and condition(status) else None
         try:
-            return wait_until(ask, limit_s, what)
+            return wait_until(ask, what)
         except Failure as failure:
             raise Failure(f"{failure}; status: {self.status()}")
 
-    def journal(self, since="", fields=""):
-        """Messages of the service, one a line."""
-        return self.run(f"journalctl --unit=depthscope --boot --output=cat {since} {fields}")
+    def journal(self):
+        """Messages of the service since it was started last, one a line."""
+        return self.run(f"journalctl --output=cat _SYSTEMD_INVOCATION_ID={self.property('InvocationID')}")
 
     def screen(self, name="screen"):
         return Picture.read_ppm(self.machine.screendump(name))

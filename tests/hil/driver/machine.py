@@ -8,6 +8,11 @@ import tempfile
 import time
 
 
+# How long to wait for what must come. Only a run that fails waits for so long; a machine that others use too may well
+# take ten times as long as a quiet one.
+PATIENCE_S = 600
+
+
 class Failure(Exception):
     """Something is not as it must be; the message says what."""
 
@@ -15,8 +20,8 @@ class Failure(Exception):
 class LineSocket:
     """A stream socket read line by line, with time limits."""
 
-    def __init__(self, path, limit_s=30):
-        end = time.monotonic() + limit_s
+    def __init__(self, path):
+        end = time.monotonic() + PATIENCE_S
         while True:
             self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             try:
@@ -32,14 +37,14 @@ class LineSocket:
     def send(self, text):
         self._socket.sendall(text.encode())
 
-    def line(self, limit_s):
-        end = time.monotonic() + limit_s
+    def line(self):
+        end = time.monotonic() + PATIENCE_S
         while b"\n" not in self._pending:
             self._socket.settimeout(max(0.01, end - time.monotonic()))
             try:
                 got = self._socket.recv(65536)
             except socket.timeout:
-                raise Failure(f"no answer within {limit_s} s")
+                raise Failure(f"no answer within {PATIENCE_S} s")
             if not got:
                 raise Failure("the machine hung up")
             self._pending += got
@@ -52,7 +57,8 @@ class Machine:
 
     def __init__(self, image, payload, folder):
         self._folder = folder
-        self._sockets = tempfile.TemporaryDirectory(prefix="depthscope-hil-")
+        # Not below a folder of the build, whose name may be too long for a socket.
+        self._sockets = tempfile.TemporaryDirectory(prefix="depthscope-hil-", dir="/tmp")
         qmp, agent = (os.path.join(self._sockets.name, name) for name in ("qmp", "agent"))
         self._process = subprocess.Popen(
             # It must not outlive this program, however that ends.
@@ -72,28 +78,37 @@ class Machine:
              "-qmp", f"unix:{qmp},server=on,wait=off"],
             stdin=subprocess.DEVNULL, stdout=open(f"{folder}/qemu.log", "wb"), stderr=subprocess.STDOUT)
         self._qmp = LineSocket(qmp)
-        self._qmp.line(30)  # greeting
+        self._qmp.line()  # greeting
         self.qmp("qmp_capabilities")
         self._agent = LineSocket(agent)
+        self._owed = 0  # answers of the agent that came too late so far
 
-    def wait_for_boot(self, limit_s=240):
+    def wait_for_boot(self):
         """Until the agent says that it is there."""
-        while self._agent.line(limit_s) != "=ready":
+        while self._agent.line() != "=ready":
             pass
+        self._owed = 0
 
-    def run(self, command, limit_s=120, check=True):
+    def run(self, command, check=True):
         """Runs a shell command as root in the guest; its output. A failure of it is a Failure, unless not `check`."""
         self._agent.send(command + "\n")
-        lines = []
-        while True:
-            line = self._agent.line(limit_s)
-            if line.startswith("="):
-                break
-            lines.append(line[1:])
+        self._owed += 1
+        while self._owed > 0:
+            lines, line = self._answer()
         output = "\n".join(lines)
         if check and line != "=0":
             raise Failure(f"`{command}` ended with status {line[1:]}:\n{output}")
         return output
+
+    def _answer(self):
+        """The next answer of the agent: its lines of output, and its last line."""
+        lines = []
+        while True:
+            line = self._agent.line()
+            if line.startswith("="):
+                self._owed -= 1
+                return lines, line
+            lines.append(line[1:])
 
     def start(self, unit, *words):
         """Starts a program of the guest in the background as UNIT."""
@@ -102,7 +117,7 @@ class Machine:
     def qmp(self, command, **arguments):
         self._qmp.send(json.dumps({"execute": command, "arguments": arguments}) + "\n")
         while True:
-            answer = json.loads(self._qmp.line(60))
+            answer = json.loads(self._qmp.line())
             if "error" in answer:
                 raise Failure(f"QMP {command}: {answer['error']['desc']}")
             if "return" in answer:
@@ -118,10 +133,10 @@ class Machine:
         self._agent.send("systemctl reboot\n")
         self.wait_for_boot()
 
-    def power_off(self, limit_s=90):
+    def power_off(self):
         """Clean shutdown from inside."""
         self._agent.send("systemctl poweroff\n")
-        self._process.wait(limit_s)
+        self._process.wait(PATIENCE_S)
 
     def stop(self):
         if self._process.poll() is None:
@@ -130,13 +145,19 @@ class Machine:
         self._sockets.cleanup()
 
 
-def wait_until(condition, limit_s, what):
-    """Asks until `condition()` gives something true, and gives that."""
+def comes(condition, limit_s):
+    """Asks until `condition()` gives something true, and gives that; what it gave last when that takes too long."""
     end = time.monotonic() + limit_s
     while True:
         result = condition()
-        if result:
+        if result or time.monotonic() > end:
             return result
-        if time.monotonic() > end:
-            raise Failure(f"waited {limit_s} s in vain: {what}")
         time.sleep(0.2)
+
+
+def wait_until(condition, what):
+    """Asks until `condition()` gives something true, and gives that."""
+    result = comes(condition, PATIENCE_S)
+    if not result:
+        raise Failure(f"waited {PATIENCE_S} s in vain: {what}")
+    return result

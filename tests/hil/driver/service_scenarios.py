@@ -18,8 +18,8 @@ def the_package_installs(box):
 def the_picture_comes_before_the_network(box):
     """Booted anew, the service runs by itself, its first picture out before the network starts."""
     box.reboot()
-    box.wait_for_status(lambda s: s["display"] == "ok", 120, "a lit monitor after boot")
-    wait_until(lambda: box.property("ActiveState") == "active", 60, "the service is up")
+    box.wait_for_status(lambda s: s["display"] == "ok", "a lit monitor after boot")
+    wait_until(lambda: box.property("ActiveState") == "active", "the service is up")
     started = int(box.property("ActiveEnterTimestampMonotonic"))
     network = int(box.run("systemctl show systemd-networkd --value --property=ExecMainStartTimestampMonotonic"))
     expect(0 < started <= network, f"ready after {started} us, the network started at {network} us")
@@ -52,7 +52,7 @@ def a_reload_applies_what_it_can(box):
     file = "/etc/depthscope/depthscope.toml"
     box.run(f"sed -i -e 's/^inset = .*/&\\nopacity = 0.3/' -e 's/^features = .*/features = 900/' {file}")
     box.run("systemctl reload depthscope")
-    wait_until(lambda: "applied=overlay.opacity needs_restart=slam.extractor.features" in box.journal(), 20,
+    wait_until(lambda: "applied=overlay.opacity needs_restart=slam.extractor.features" in box.journal(),
                "the log names what was applied")
     box.run(f"sed -i 's/opacity = 0.3/opacity = 3/' {file}")
     answer = box.run("systemctl reload depthscope", check=False)
@@ -65,7 +65,7 @@ def a_reload_applies_what_it_can(box):
 def the_watchdog_restarts_a_stopped_daemon(box):
     before = box.property("MainPID")
     box.run(f"kill -STOP {before}")
-    wait_until(lambda: box.property("MainPID") not in (before, "0"), 90, "another process")
+    wait_until(lambda: box.property("MainPID") not in (before, "0"), "another process")
     expect("watchdog" in box.run("journalctl --boot --output=cat _PID=1 --unit=depthscope").lower(), "not the watchdog's doing")
     wait_for_tower(box)
 
@@ -74,7 +74,7 @@ def an_upgrade_keeps_everything(box):
     """The same package over itself: configuration kept, service running again."""
     configuration = box.run("sha256sum /etc/depthscope/depthscope.toml")
     before = box.property("MainPID")
-    box.run("dpkg --install /run/payload/depthscope.deb", limit_s=300)
+    box.run("dpkg --install /run/payload/depthscope.deb")
     expect(box.run("sha256sum /etc/depthscope/depthscope.toml") == configuration, "the configuration was changed")
     expect(box.property("MainPID") != before, "the old program still runs")
     wait_for_tower(box)
@@ -85,7 +85,7 @@ def expect_console(box):
     def console():
         screen = box.screen()
         return (screen.width, screen.height) == (1280, 720) and screen.number() is None and any(screen.pixels)
-    wait_until(console, 30, "the console on the monitor")
+    wait_until(console, "the console on the monitor")
 
 
 def a_crash_gives_the_console_back(box):
@@ -103,12 +103,12 @@ def the_graphics_processor_shows_the_same(box):
     file = "/etc/depthscope/depthscope.toml"
     box.run(f"sed -i 's/^kind = .*/&\\nroute = \"gpu\"/' {file}")
     box.run("systemctl restart depthscope")
-    wait_until(lambda: "composed by the graphics processor" in box.journal("--since=-5min"), 90, "the log says who composes")
+    wait_until(lambda: "composed by the graphics processor" in box.journal(), "the log says who composes")
     wait_for_tower(box)
     box.run("/run/payload/ask 'overlay off'")
     box.tower.hold()
-    wait_until(lambda: as_it_came(box), 60, "every pixel as it came, but for the status mark")
-    expect("composed by the processor" not in box.journal("--since=-5min"), "it was given up")
+    wait_until(lambda: as_it_came(box), "every pixel as it came, but for the status mark")
+    expect("composed by the processor" not in box.journal(), "it was given up")
     box.tower.go_on()
     box.configure()
     box.run("systemctl restart depthscope")
@@ -121,7 +121,7 @@ def a_stop_gives_the_console_back(box):
     box.run("systemctl stop depthscope")
     expect(box.property("Result") == "success", "ended with " + box.property("Result"))
     expect(box.run("ls /run/depthscope", check=False).startswith("ls: cannot access"), "the control socket is still there")
-    wait_until(lambda: box.run("systemctl is-active getty@tty1", check=False) == "active", 30, "a login prompt")
+    wait_until(lambda: box.run("systemctl is-active getty@tty1", check=False) == "active", "a login prompt")
     expect_console(box)
     expect(box.run("grep -l depthscope /proc/[0-9]*/comm", check=False) == "", "processes are left")
 
@@ -131,7 +131,7 @@ def every_format_of_the_card_is_captured_right(box):
     box.tower.stop()
     box.run("v4l2-ctl --device=/dev/video0 "
             "--set-ctrl=loop_video=0,percentage_of_dropped_buffers=0,dv_timings_signal_mode=0")
-    lines = box.run("/run/payload/capture_check /dev/video0 2", limit_s=400, check=False).splitlines()
+    lines = box.run("/run/payload/capture_check /dev/video0 2", check=False).splitlines()
     for size in ("640x480", "1280x720", "1920x1080"):
         for pixels in ("YUYV", "UYVY", "NV12", "NV16", "YU12", "BGR3", "RGB3", "XR24", "GREY"):
             right = [line for line in lines if line.startswith("ok ") and f" {size} {pixels}:" in line]
@@ -140,7 +140,7 @@ def every_format_of_the_card_is_captured_right(box):
 
 def removal_leaves_nothing_broken(box):
     box.run("systemctl start depthscope")
-    box.run("dpkg --purge depthscope", limit_s=120)
+    box.run("dpkg --purge depthscope")
     expect(box.run("systemctl is-failed depthscope", check=False) != "failed", "a failed unit is left")
     left = box.run("ls -d /etc/depthscope /var/lib/depthscope /run/depthscope /etc/systemd/system/*/depthscope* 2>/dev/null",
                    check=False).split()

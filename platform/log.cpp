@@ -5,6 +5,7 @@
 #include <cerrno>
 
 #include "platform/journal.hpp"
+#include "platform/log_thread.hpp"
 
 namespace depthscope::platform {
 namespace {
@@ -26,6 +27,11 @@ void appendValue(std::string& out, std::string_view text) {
   out += '"';
 }
 
+bool underJournal() {
+  static const bool under_journal = stderrIsJournal();
+  return under_journal;
+}
+
 }  // namespace
 
 std::string formatLogLine(LogPriority priority, std::string_view message,
@@ -42,17 +48,28 @@ std::string formatLogLine(LogPriority priority, std::string_view message,
   return line;
 }
 
-void log(LogPriority priority, std::string_view message, std::initializer_list<LogField> fields) {
-  static const bool under_journal = stderrIsJournal();
-  if (under_journal) {
+LogEntry makeLogEntry(LogPriority priority, std::string_view message,
+                      std::initializer_list<LogField> fields) {
+  LogEntry entry{formatLogLine(priority, message, fields, underJournal()), {}};
+  entry.line += '\n';
+  if (underJournal())
+    entry.journal = journalEntry(priority, program_invocation_short_name, message, fields);
+  return entry;
+}
+
+void writeLogEntry(const LogEntry& entry) {
+  if (!entry.journal.empty()) {
     static const Journal journal;
-    if (journal.send(journalEntry(priority, program_invocation_short_name, message, fields)))
-      return;
+    if (journal.send(entry.journal)) return;
   }
-  std::string line = formatLogLine(priority, message, fields, under_journal);
-  line += '\n';
   // A log that cannot be written must not stop the picture: the result is of no use.
-  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line.data(), line.size());
+  [[maybe_unused]] const ssize_t written =
+      ::write(STDERR_FILENO, entry.line.data(), entry.line.size());
+}
+
+void log(LogPriority priority, std::string_view message, std::initializer_list<LogField> fields) {
+  LogEntry entry = makeLogEntry(priority, message, fields);
+  if (!LogThread::take(entry)) writeLogEntry(entry);
 }
 
 }  // namespace depthscope::platform

@@ -32,9 +32,17 @@ struct LogField {
 /// Writes one line to stderr: `message key=value ...`, in one write, so that lines of several
 /// threads do not mix; values with spaces are quoted, control characters replaced. Where stderr is
 /// the journal's, the message goes to the journal with its fields (platform/journal.hpp); should
-/// that not take it, the line starts with its priority as sd-daemon(3) defines it.
+/// that not take it, the line starts with its priority as sd-daemon(3) defines it. Waits for
+/// whoever reads the log, unless there is a LogThread (platform/log_thread.hpp), as in the video
+/// process.
 void log(LogPriority priority, std::string_view message,
          std::initializer_list<LogField> fields = {});
+
+/// The two halves of log().
+struct LogEntry;
+LogEntry makeLogEntry(LogPriority priority, std::string_view message,
+                      std::initializer_list<LogField> fields);
+void writeLogEntry(const LogEntry& entry);
 
 /// The line that log() writes, without the newline.
 std::string formatLogLine(LogPriority priority, std::string_view message,

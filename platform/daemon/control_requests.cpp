@@ -1,6 +1,5 @@
 #include "platform/daemon/control_requests.hpp"
 
-#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "platform/config/config_file.hpp"
 #include "platform/display/display.hpp"
 #include "platform/ipc/surface_mailbox.hpp"
+#include "platform/peak_memory.hpp"
 #include "platform/ply_writer.hpp"
 #include "platform/png_writer.hpp"
 #include "platform/utf8.hpp"
@@ -174,8 +174,6 @@ std::string ControlRequests::exportSurface(UniqueFd file) const {
 }
 
 std::string ControlRequests::status() const {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
   nlohmann::ordered_json json{
       {"version", DEPTHSCOPE_VERSION},
       {"uptime_s",
@@ -199,7 +197,7 @@ std::string ControlRequests::status() const {
       {"overlay_failures", report_.overlay_failures.load()},
       {"stale_pictures", report_.stale.load()},
       {"late_overlays", report_.late_overlays.load()},
-      {"peak_rss_mb", static_cast<double>(usage.ru_maxrss) / 1024.0},
+      {"peak_rss_mb", peakResidentMb()},
       {"ar_alive", ar_.alive()},
       {"ar_pid", ar_.pid()},
       {"ar_restarts", ar_.restarts()},

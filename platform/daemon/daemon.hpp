@@ -13,6 +13,7 @@
 #include "platform/daemon/video_thread.hpp"
 #include "platform/display/display.hpp"
 #include "platform/footswitch/footswitch.hpp"
+#include "platform/log_thread.hpp"
 
 namespace depthscope::platform {
 
@@ -38,7 +39,9 @@ class Daemon {
 
   const DaemonOptions options_;
   Settings settings_;  // those in force: the options', as changed since
-  UniqueFd signals_, frame_event_, pose_event_;
+  UniqueFd signals_;      // before any thread
+  LogThread log_thread_;  // outlives all that log
+  UniqueFd frame_event_, pose_event_;
   std::unique_ptr<capture::FrameSource> source_;
   double fps_;
   SharedMemory memory_;

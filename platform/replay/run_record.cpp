@@ -1,13 +1,13 @@
 #include "platform/replay/run_record.hpp"
 
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 
 #include "platform/allocation_hook.hpp"
+#include "platform/peak_memory.hpp"
 
 namespace depthscope::platform {
 namespace {
@@ -20,15 +20,6 @@ Json stageJson(const Histogram& h) {
           {"p95", h.percentile(0.95)},
           {"p99", h.percentile(0.99)},
           {"max", h.max()}};
-}
-
-/// The kernel's high-water mark of this program alone; 0 where it tells none. (That of getrusage
-/// goes on from what the process was before it became this program: a script, say.)
-double peakResidentMb() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.starts_with("VmHWM:")) return std::strtod(line.c_str() + 6, nullptr) / 1024.0;
-  return 0;
 }
 
 /// One line of TUM format; fixed digits, so that equal poses give equal bytes.

@@ -1,7 +1,9 @@
 #include <dirent.h>
 #include <fcntl.h>
+#include <linux/futex.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,6 +19,12 @@ namespace {
 template <typename Result>
 Result orError(Result result) {
   return result < 0 ? static_cast<Result>(-errno) : result;
+}
+
+timespec toTimespec(std::chrono::nanoseconds timeout) {
+  const auto wait = std::max(timeout, std::chrono::nanoseconds::zero());
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(wait);
+  return {static_cast<time_t>(seconds.count()), static_cast<long>((wait - seconds).count())};
 }
 
 class RealSystemCalls final : public SystemCalls {
@@ -45,11 +53,15 @@ class RealSystemCalls final : public SystemCalls {
     return orError(::write(fd, from.data(), from.size()));
   }
   int poll(std::span<pollfd> descriptors, std::chrono::nanoseconds timeout) override {
-    const auto wait = std::max(timeout, std::chrono::nanoseconds::zero());
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(wait);
-    const timespec limit{static_cast<time_t>(seconds.count()),
-                         static_cast<long>((wait - seconds).count())};
+    const timespec limit = toTimespec(timeout);
     return orError(::ppoll(descriptors.data(), descriptors.size(), &limit, nullptr));
+  }
+  int waitForRing(const Bell& bell, std::uint32_t rings,
+                  std::chrono::nanoseconds timeout) override {
+    const timespec limit = toTimespec(timeout);
+    const auto result =
+        orError(::syscall(SYS_futex, &bell.word(), FUTEX_WAIT, rings, &limit, nullptr, 0));
+    return result == -EAGAIN ? 0 : static_cast<int>(result);  // rung before the wait began
   }
   int list(const char* directory, std::vector<std::string>& names) override {
     names.clear();

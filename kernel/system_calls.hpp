@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "kernel/bell.hpp"
+
 namespace depthscope::kernel {
 
 /// What the program asks of the operating system for its devices: the calls of open(2), ioctl(2)
@@ -38,6 +40,10 @@ class SystemCalls {
   /// Number of descriptors with events, 0 after `timeout`, or -errno. Never waits without an end: a
   /// negative timeout is taken as none.
   virtual int poll(std::span<pollfd> descriptors, std::chrono::nanoseconds timeout) = 0;
+  /// Until the bell was rung after it told `rings`: 0. -ETIMEDOUT after `timeout`, or -errno; a
+  /// ring may also be one that was waited for before.
+  virtual int waitForRing(const Bell& bell, std::uint32_t rings,
+                          std::chrono::nanoseconds timeout) = 0;
   /// Names in a directory, sorted, without "." and ".."; -errno or 0.
   virtual int list(const char* directory, std::vector<std::string>& names) = 0;
   /// Where a symbolic link points to (as readlink(2) says it); -errno or 0.

@@ -28,8 +28,6 @@ ArOptions parseArOptions(Arguments arguments) {
   ArOptions options;
   options.shared_memory = descriptor(arguments, "--shared-memory");
   options.commands = descriptor(arguments, "--commands");
-  options.frame_event = descriptor(arguments, "--frame-event");
-  options.pose_event = descriptor(arguments, "--pose-event");
   const std::string camera = arguments.required("--camera");
   const auto config = arguments.value("--config");
   const auto overrides = arguments.values("--set");

@@ -10,8 +10,6 @@ namespace depthscope::platform {
 struct ArOptions {
   UniqueFd shared_memory;  // memfd with frames, poses and surfaces
   UniqueFd commands;       // socket; its end means that the video process is gone
-  UniqueFd frame_event;    // eventfd, counted up with every picture
-  UniqueFd pose_event;     // eventfd, to be counted up with every pose
   CameraModel camera;
   Settings settings;
 };

@@ -1,20 +1,19 @@
 #include "platform/ar/ar_process.hpp"
 
-#include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
 
 #include <cerrno>
 #include <cstring>
 
+#include "kernel/system_calls.hpp"
 #include "platform/log.hpp"
 #include "types/error.hpp"
 
 namespace depthscope::platform {
 namespace {
 
-constexpr int heartbeat_ms = 100;            // at the latest
-constexpr int pictures_per_percentile = 30;  // percentiles are worked out this often
+constexpr std::chrono::milliseconds heartbeat{100};  // at the latest
+constexpr int pictures_per_percentile = 30;          // percentiles are worked out this often
 
 SharedMemory attachChecked(ArOptions& options) {
   SharedMemory memory = SharedMemory::attach(std::move(options.shared_memory));
@@ -43,17 +42,11 @@ ArProcess::ArProcess(ArOptions options)
 void ArProcess::run() {
   publishLabels();
   publishStatus();
-  for (;;) {
-    pollfd wait[2] = {{options_.commands.get(), POLLIN, 0},
-                      {options_.frame_event.get(), POLLIN, 0}};
-    if (::poll(wait, 2, heartbeat_ms) < 0 && errno != EINTR) return;
-    if (wait[0].revents != 0 && !handleCommands()) return;
-    if (wait[1].revents & POLLIN) {
-      eventfd_t ignored;
-      ::eventfd_read(options_.frame_event.get(), &ignored);
-      handlePicture();
-    }
+  const kernel::Bell& bell = memory_.block().new_frame;
+  for (std::uint32_t rings = bell.rings(); handleCommands(); rings = bell.rings()) {
+    handlePicture();
     publishStatus();
+    kernel::realSystemCalls().waitForRing(bell, rings, heartbeat);
   }
 }
 
@@ -90,7 +83,7 @@ void ArProcess::handlePicture() {
   estimate_ = live_.track({picture_.data(), width, height, width}, picture_info_.frame,
                           picture_info_.timestamp_s);
   memory_.block().pose.write(encodePose(estimate_));
-  ::eventfd_write(options_.pose_event.get(), 1);
+  memory_.block().new_pose.ring();
   track_ms_.add(live_.slam().lastTimes().track_ms);
   ++status_.tracked_frames;
   publishView();

@@ -34,8 +34,8 @@ int main(int argc, char** argv) {
     std::puts(
         "depthscope-ar - tracking, mapping and reconstruction for depthscoped, which starts it by "
         "itself\n\n"
-        "  depthscope-ar --shared-memory FD --commands FD --frame-event FD --pose-event FD\n"
-        "                --camera FILE [--config FILE] [--set section.key=value]...");
+        "  depthscope-ar --shared-memory FD --commands FD --camera FILE [--config FILE]\n"
+        "                [--set section.key=value]...");
     return 0;
   }
   tieToParent();

@@ -1,19 +1,13 @@
 #include "platform/daemon/ar_link.hpp"
 
-#include <sys/eventfd.h>
-
 #include <algorithm>
 
 #include "capture/pixel_convert.hpp"
 
 namespace depthscope::platform {
 
-ArLink::ArLink(const SharedMemory& memory, int frame_event, float max_age_ms)
-    : memory_(memory),
-      frame_event_(frame_event),
-      max_age_ms_(max_age_ms),
-      frames_(memory),
-      surfaces_(memory) {
+ArLink::ArLink(const SharedMemory& memory, float max_age_ms)
+    : memory_(memory), max_age_ms_(max_age_ms), frames_(memory), surfaces_(memory) {
   reserve(surface_, memory.capacity());
   labels_.reserve(max_wire_labels);
   for (std::size_t i = 0; i < max_wire_labels; ++i)
@@ -40,9 +34,6 @@ void ArLink::publish(const capture::Frame& frame, std::vector<std::uint8_t>& gra
   const auto index = static_cast<std::int64_t>(frame.sequence);
   published_.add(index, frame.capture_time);
   frames_.publish(luma, {index, frame.media_time_s});
-  // The counter cannot overflow before the AR process was dead for ages; a full one needs no
-  // waking.
-  ::eventfd_write(frame_event_, 1);
 }
 
 /// The map ids of another process mean other maps.

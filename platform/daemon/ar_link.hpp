@@ -17,9 +17,8 @@ namespace depthscope::platform {
 /// overlay).
 class ArLink {
  public:
-  /// `frame_event`: eventfd that wakes the AR process. `max_age_ms`: an older pose is not drawn
-  /// with.
-  ArLink(const SharedMemory& memory, int frame_event, float max_age_ms);
+  /// `max_age_ms`: an older pose is not drawn with.
+  ArLink(const SharedMemory& memory, float max_age_ms);
 
   /// How to draw over a picture.
   struct View {
@@ -55,7 +54,6 @@ class ArLink {
   bool fits(int width, int height) const;
 
   const SharedMemory& memory_;
-  int frame_event_;
   float max_age_ms_;
   FrameRingWriter frames_;
   SurfaceMailboxReader surfaces_;

@@ -15,8 +15,7 @@ namespace depthscope::platform {
 namespace {
 
 // Where the AR process finds what it is handed; ours are kept clear of these numbers.
-constexpr int child_memory_fd = 3, child_commands_fd = 4, child_frame_event_fd = 5,
-              child_settings_fd = 6, child_pose_event_fd = 7;
+constexpr int child_memory_fd = 3, child_commands_fd = 4, child_settings_fd = 5;
 constexpr int first_own_fd = 16;
 
 std::chrono::nanoseconds seconds(double s) {
@@ -33,10 +32,9 @@ UniqueFd copyAbove(int fd) {
 }  // namespace
 
 ArSupervisor::ArSupervisor(std::vector<std::string> command, const SharedMemory& memory,
-                           ArEvents events, const Settings& settings)
+                           const Settings& settings)
     : command_(std::move(command)),
       memory_(memory),
-      events_(events),
       settings_file_(makeSettingsFile(settings)),
       heartbeat_timeout_(seconds(settings.daemon.heartbeat_timeout_s)),
       nice_(settings.daemon.ar_nice),
@@ -47,8 +45,6 @@ ArSupervisor::ArSupervisor(std::vector<std::string> command, const SharedMemory&
   };
   option("--shared-memory", child_memory_fd);
   option("--commands", child_commands_fd);
-  option("--frame-event", child_frame_event_fd);
-  option("--pose-event", child_pose_event_fd);
   command_.insert(command_.end(),
                   {"--config", "/proc/self/fd/" + std::to_string(child_settings_fd)});
 }
@@ -75,12 +71,9 @@ void ArSupervisor::start(Clock::time_point now) {
     commands_ = UniqueFd(pair[0]);
     const UniqueFd theirs(pair[1]);
     const UniqueFd memory = copyAbove(memory_.fd()), commands = copyAbove(theirs.get()),
-                   frames = copyAbove(events_.frame), poses = copyAbove(events_.pose),
                    settings = copyAbove(settings_file_.get());
-    const std::array<std::pair<int, int>, 5> descriptors{{{memory.get(), child_memory_fd},
+    const std::array<std::pair<int, int>, 3> descriptors{{{memory.get(), child_memory_fd},
                                                           {commands.get(), child_commands_fd},
-                                                          {frames.get(), child_frame_event_fd},
-                                                          {poses.get(), child_pose_event_fd},
                                                           {settings.get(), child_settings_fd}}};
     // What a predecessor left is of another map.
     PoseEstimate nothing_yet;
@@ -118,9 +111,11 @@ void ArSupervisor::watchHeartbeat(Clock::time_point now) {
 }
 
 bool ArSupervisor::send(const WireCommand& command) {
-  return child_.running() &&
-         ::send(commands_.get(), &command, sizeof command, MSG_NOSIGNAL | MSG_DONTWAIT) ==
-             static_cast<ssize_t>(sizeof command);
+  const bool sent = child_.running() &&
+                    ::send(commands_.get(), &command, sizeof command,
+                           MSG_NOSIGNAL | MSG_DONTWAIT) == static_cast<ssize_t>(sizeof command);
+  if (sent) memory_.block().new_frame.ring();
+  return sent;
 }
 
 }  // namespace depthscope::platform

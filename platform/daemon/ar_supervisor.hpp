@@ -10,20 +10,14 @@
 
 namespace depthscope::platform {
 
-/// Eventfds between the two processes.
-struct ArEvents {
-  int frame;  // counted up with every picture given to the AR process
-  int pose;   // counted up by it with every pose
-};
-
 /// Starts the AR process, starts it again when it ends or falls silent, and passes commands to it.
 /// Used from the service's thread.
 class ArSupervisor {
  public:
   using Clock = RestartPolicy::Clock;
 
-  /// Program and arguments of the AR process. The memory and the eventfds outlive the supervisor.
-  ArSupervisor(std::vector<std::string> command, const SharedMemory& memory, ArEvents events,
+  /// Program and arguments of the AR process. The memory outlives the supervisor.
+  ArSupervisor(std::vector<std::string> command, const SharedMemory& memory,
                const Settings& settings);
 
   /// What AR processes started from now on are configured with. Throws std::system_error.
@@ -44,7 +38,6 @@ class ArSupervisor {
 
   std::vector<std::string> command_;
   const SharedMemory& memory_;
-  ArEvents events_;
   UniqueFd settings_file_;
   std::chrono::nanoseconds heartbeat_timeout_;
   int nice_;

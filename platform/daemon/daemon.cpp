@@ -2,7 +2,6 @@
 
 #include <poll.h>
 #include <signal.h>
-#include <sys/eventfd.h>
 #include <sys/signalfd.h>
 #include <systemd/sd-daemon.h>
 
@@ -29,12 +28,6 @@ UniqueFd makeSignals() {
   ::signal(SIGPIPE, SIG_IGN);
   UniqueFd fd(::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
   if (!fd.valid()) throw std::system_error(errno, std::generic_category(), "signalfd");
-  return fd;
-}
-
-UniqueFd makeEvent() {
-  UniqueFd fd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!fd.valid()) throw std::system_error(errno, std::generic_category(), "eventfd");
   return fd;
 }
 
@@ -66,16 +59,14 @@ Daemon::Daemon(const DaemonOptions& options)
     : options_(options),
       settings_(options.settings),
       signals_(makeSignals()),
-      frame_event_(makeEvent()),
-      pose_event_(makeEvent()),
       source_(openSource(options.settings.capture, options.camera)),
       fps_(source_->fps() > 0 ? source_->fps() : 30),
       memory_(SharedMemory::create(capacity(options))),
       display_(makeDisplay(options.settings.display, kernel::realSystemCalls(),
                            options.camera.width, options.camera.height, fps_)),
-      link_(memory_, frame_event_.get(), options.settings.overlay.max_age_ms),
-      pose_wait_(memory_, pose_event_.get(), kernel::realSystemCalls()),
-      ar_(arCommand(options), memory_, {frame_event_.get(), pose_event_.get()}, settings_),
+      link_(memory_, options.settings.overlay.max_age_ms),
+      pose_wait_(memory_, kernel::realSystemCalls()),
+      ar_(arCommand(options), memory_, settings_),
       gpio_(makeGpioChips()),
       footswitch_(options.settings.footswitch, *gpio_, kernel::realSystemCalls()),
       control_requests_(settings_, options.camera, memory_, ar_, video_requests_, report_,

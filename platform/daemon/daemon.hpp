@@ -38,10 +38,9 @@ class Daemon {
   void logEnd() const;
 
   const DaemonOptions options_;
-  Settings settings_;  // those in force: the options', as changed since
+  Settings settings_;     // those in force: the options', as changed since
   UniqueFd signals_;      // before any thread
   LogThread log_thread_;  // outlives all that log
-  UniqueFd frame_event_, pose_event_;
   std::unique_ptr<capture::FrameSource> source_;
   double fps_;
   SharedMemory memory_;

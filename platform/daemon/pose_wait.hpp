@@ -12,9 +12,9 @@ class PoseWait {
  public:
   using Time = kernel::SystemCalls::Time;
 
-  /// `pose_event`: eventfd that the AR process counts up with every pose. All outlive it.
-  PoseWait(const SharedMemory& memory, int pose_event, kernel::SystemCalls& system)
-      : memory_(memory), pose_event_(pose_event), system_(system) {}
+  /// Both outlive it.
+  PoseWait(const SharedMemory& memory, kernel::SystemCalls& system)
+      : memory_(memory), system_(system) {}
 
   /// Until the newest pose is of `frame` or of a later picture, but not beyond `deadline`. An AR
   /// process that is more than `most_behind` pictures behind would only hold the picture up for
@@ -26,7 +26,6 @@ class PoseWait {
   static constexpr std::int64_t most_behind = 2;
 
   const SharedMemory& memory_;
-  int pose_event_;
   kernel::SystemCalls& system_;
 };
 

@@ -31,6 +31,7 @@ void FrameRingWriter::publish(const GrayView& luma, const WireFrameInfo& info) {
   }
   seqlock::endWrite(head.count);
   memory_.block().frames_published.store(++published_, std::memory_order_release);
+  memory_.block().new_frame.ring();
 }
 
 bool FrameRingReader::takeNewest(std::span<std::uint8_t> pixels, WireFrameInfo& info) {

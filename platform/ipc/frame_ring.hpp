@@ -7,7 +7,8 @@
 
 namespace depthscope::platform {
 
-/// Puts luma pictures into the ring; the oldest is overwritten. Never waits or allocates.
+/// Puts luma pictures into the ring, and rings; the oldest is overwritten. Never waits or
+/// allocates.
 class FrameRingWriter {
  public:
   explicit FrameRingWriter(const SharedMemory& memory) : memory_(memory) {}

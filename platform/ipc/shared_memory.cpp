@@ -15,7 +15,7 @@ namespace depthscope::platform {
 namespace {
 
 constexpr std::uint64_t magic = 0x65706f6373687470;  // "pthscope"
-constexpr std::uint32_t layout_version = 2;
+constexpr std::uint32_t layout_version = 3;
 constexpr int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
 // Bounds that no honest capacity exceeds and that keep sizes far from overflow.
 constexpr std::uint32_t max_side_px = 16384;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "kernel/bell.hpp"
 #include "platform/ipc/seqlock.hpp"
 #include "platform/ipc/wire.hpp"
 #include "platform/unique_fd.hpp"
@@ -33,6 +34,8 @@ struct SharedBlock {
   std::uint64_t magic;
   std::uint32_t layout_version;
   SharedCapacity capacity;
+  alignas(64) kernel::Bell new_frame;  // rung with every picture, and every command
+  alignas(64) kernel::Bell new_pose;   // rung by the AR process with every pose
   alignas(64) seqlock::Word
       frames_published;  // ring slot of picture n (from 1): (n - 1) % ring_slots
   struct FrameSlot {

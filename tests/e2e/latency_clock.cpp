@@ -6,8 +6,6 @@
 //
 // Fails when the pictures tell another delay than the loop's own figures, or come twice or out of
 // order. Whether the delay is a good one is for the reader to judge: the machine may be a busy one.
-#include <sys/eventfd.h>
-
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -101,14 +99,12 @@ int run(double seconds, bool exact) {
   const SharedMemory memory =
       SharedMemory::create({static_cast<std::uint32_t>(camera.width),
                             static_cast<std::uint32_t>(camera.height), 120000, 240000});
-  const UniqueFd frame_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-      pose_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   ClockedSource source(camera, clock);
   ClockReader display(clock);
-  ArLink link(memory, frame_event.get(), settings.overlay.max_age_ms);
-  const PoseWait wait(memory, pose_event.get(), kernel::realSystemCalls());
+  ArLink link(memory, settings.overlay.max_age_ms);
+  const PoseWait wait(memory, kernel::realSystemCalls());
   ArSupervisor ar({programPath("depthscope-ar"), "--camera", settings.capture.camera}, memory,
-                  {frame_event.get(), pose_event.get()}, settings);
+                  settings);
   VideoRequests requests;
   VideoReport report;
   OverlayThread layers([&] {

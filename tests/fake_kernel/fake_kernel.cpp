@@ -140,6 +140,20 @@ int FakeKernel::poll(std::span<pollfd> descriptors, std::chrono::nanoseconds tim
   }
 }
 
+int FakeKernel::waitForRing(const kernel::Bell& bell, std::uint32_t rings,
+                            std::chrono::nanoseconds timeout) {
+  if (const int error = enter("")) return error;
+  const Time limit = now_ + std::max(timeout, std::chrono::nanoseconds::zero());
+  std::vector<pollfd> everything;
+  for (const auto& [fd, file] : files_) everything.push_back({fd, 0, 0});
+  for (;;) {
+    readyDescriptors(everything);
+    if (bell.rings() != rings) return 0;
+    if (now_ >= limit) return -ETIMEDOUT;
+    now_ = std::max(nextEvent(everything, limit), std::min(limit, now_ + call_time));
+  }
+}
+
 int FakeKernel::list(const char* directory, std::vector<std::string>& names) {
   names.clear();
   if (const int error = enter(directory)) return error;

@@ -43,6 +43,9 @@ class FakeKernel final : public kernel::SystemCalls {
   ssize_t read(int fd, std::span<std::byte> into) override;
   ssize_t write(int fd, std::span<const std::byte> from) override;
   int poll(std::span<pollfd> descriptors, std::chrono::nanoseconds timeout) override;
+  /// Devices go on meanwhile: one of them may ring.
+  int waitForRing(const kernel::Bell& bell, std::uint32_t rings,
+                  std::chrono::nanoseconds timeout) override;
   int list(const char* directory, std::vector<std::string>& names) override;
   int readLink(const char* path, std::string& target) override;
   Time now() override { return now_; }

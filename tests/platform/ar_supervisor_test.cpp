@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/eventfd.h>
 #include <unistd.h>
 
 namespace depthscope::platform {
@@ -16,7 +15,7 @@ class ArSupervisorTest : public testing::Test {
  protected:
   /// A shell stands in for the AR process; what the supervisor hands over is of no use to it.
   ArSupervisor supervisor(const std::string& script) {
-    return ArSupervisor({"/bin/sh", "-c", script}, memory, {event.get(), event.get()}, settings);
+    return ArSupervisor({"/bin/sh", "-c", script}, memory, settings);
   }
   /// Ticks without the time moving until `condition` holds, for some seconds of real time at most.
   template <class Condition>
@@ -29,7 +28,6 @@ class ArSupervisorTest : public testing::Test {
   }
 
   SharedMemory memory = SharedMemory::create({64, 48, 1000, 2000});
-  UniqueFd event{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
   Settings settings;
   ArSupervisor::Clock::time_point now{seconds(100)};
 };
@@ -67,7 +65,7 @@ TEST_F(ArSupervisorTest, AProcessThatTakesAllMemoryEndsByItselfAndIsReplaced) {
 }
 
 TEST_F(ArSupervisorTest, AProgramThatIsNotThereIsTriedAgainAndNothingElseHappens) {
-  ArSupervisor ar({"/no/such/program"}, memory, {event.get(), event.get()}, settings);
+  ArSupervisor ar({"/no/such/program"}, memory, settings);
   for (int i = 0; i < 20; ++i) EXPECT_NO_THROW(ar.tick(now += seconds(1)));
   EXPECT_FALSE(ar.alive());
   EXPECT_FALSE(ar.send(encodeCommand(WireCommand::Reconstruct)));

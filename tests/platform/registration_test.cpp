@@ -2,8 +2,6 @@
 // floods. In no case may it cost a picture.
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "tests/platform/video_loop_fixture.hpp"
 
 namespace depthscope::platform {
@@ -14,8 +12,8 @@ constexpr float exact_wait = 0.8f;
 // What a picture may be late by: the wait, 2 ms of the display, and the calls themselves.
 constexpr milliseconds exact_bound{27 + 2 + 1};
 
-/// Plays the AR process behind the eventfd of poses: finds each picture's pose some time after the
-/// picture was published.
+/// Plays the AR process: finds each picture's pose some time after the picture was published, and
+/// rings.
 class PacedTracker final : public fake::FakeFile {
  public:
   PacedTracker(const SharedMemory& memory, fake::FakeKernel& system)
@@ -23,30 +21,24 @@ class PacedTracker final : public fake::FakeFile {
 
   short events() override {
     work();
-    return waiting_ || flood ? POLLIN : 0;
+    if (flood) memory_.block().new_pose.ring();
+    return 0;
   }
   std::optional<Time> nextEvent() override {
     work();
     if (!busy_ || stopped) return std::nullopt;
     return due_;
   }
-  ssize_t read(std::span<std::byte> into) override {
-    if (!waiting_ && !flood) return -EAGAIN;
-    const std::uint64_t count = 1;
-    waiting_ = false;
-    std::memcpy(into.data(), &count, std::min(into.size(), sizeof count));
-    return 8;
-  }
   /// Looks at the clock: takes the newest picture, or gives its pose when it is due.
   void work() {
     if (busy_ && !stopped && system_.now() >= due_) {
       busy_ = false;
-      waiting_ = true;
       PoseEstimate pose;
       pose.frame = info_.frame;
       pose.state = TrackingState::Tracking;
       pose.confidence = 1;
       memory_.block().pose.write(encodePose(pose));
+      memory_.block().new_pose.ring();
     }
     if (busy_ || stopped || !frames_.takeNewest(pixels_, info_)) return;
     busy_ = true;
@@ -62,7 +54,7 @@ class PacedTracker final : public fake::FakeFile {
   FrameRingReader frames_;
   std::vector<std::uint8_t> pixels_;
   WireFrameInfo info_{};
-  bool busy_ = false, waiting_ = false;
+  bool busy_ = false;
   Time due_{};
 };
 
@@ -107,8 +99,8 @@ class RegistrationTest : public VideoLoopFixture {
   }
 
   PacedTracker* tracker = new PacedTracker(memory, system);  // the kernel's, below
-  const int pose_event = system.install(std::unique_ptr<fake::FakeFile>(tracker));
-  PoseWait wait{memory, pose_event, system};
+  const int tracker_file = system.install(std::unique_ptr<fake::FakeFile>(tracker));
+  PoseWait wait{memory, system};
 };
 
 TEST_F(RegistrationTest, ExactShowsEachPictureWithItsOwnPose) {
@@ -167,23 +159,21 @@ TEST_F(RegistrationTest, AnArProcessThatDiesIsNotWaitedFor) {
   expectEveryPictureOnce();
 }
 
-TEST_F(RegistrationTest, AFloodOfEventsEndsAtTheBound) {
+TEST_F(RegistrationTest, AFloodOfRingsEndsAtTheBound) {
   play(10);
   tracker->stopped = tracker->flood = true;
   EXPECT_LE(play(10), exact_bound);
   expectEveryPictureOnce();
 }
 
-TEST_F(RegistrationTest, AnEventThatCannotBeReadEndsTheWait) {
+TEST_F(RegistrationTest, AWaitThatTheSystemRefusesHoldsNothingUp) {
   play(10);
-  system.close(pose_event);
-  tracker = nullptr;
-  for (int i = 0; i < 10; ++i) {
-    source.add(next += frame_interval);
-    ++sequence;
-    ASSERT_TRUE(loop->turn());
-    EXPECT_LE(last().at - next, milliseconds(3));
-  }
+  fake::FaultPlan refused;
+  refused.call = system.calls() + 1;
+  refused.forever = true;
+  refused.error = ENOSYS;
+  system.inject(refused);
+  EXPECT_LE(play(10), milliseconds(3));
   expectEveryPictureOnce();
 }
 

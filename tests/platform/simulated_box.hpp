@@ -95,7 +95,7 @@ class SimulatedBox {
   FakeV4l2Card card;
   FakeKmsCard monitor;
   SharedMemory memory = SharedMemory::create({box_width, box_height, 1000, 2000});
-  ArLink link{memory, -1, 120};
+  ArLink link{memory, 120};
   VideoRequests requests;
   VideoReport report;
   std::chrono::nanoseconds longest_turn{0};

@@ -216,7 +216,7 @@ class VideoLoopFixture : public testing::Test {
   ScriptedSource source{system};
   RecordingDisplay display{system};
   SharedMemory memory = SharedMemory::create({160, 120, 1000, 2000});
-  ArLink link{memory, -1, 120};
+  ArLink link{memory, 120};
   VideoRequests requests;
   VideoReport report;
   LayerPainter painter;

@@ -20,7 +20,9 @@ struct FrameTimes {
   Time overlaid;                        // the overlay is there, or was given up
   Time composited;                      // overlay and picture are one
   Time submitted;                       // given to the display
-  std::optional<float> overlay_age_ms;  // picture's capture time minus the pose's; with AR overlay
+  std::optional<Time> shown;            // on the glass, where the display tells
+  std::optional<float> overlay_age_ms;  // picture's capture time minus that of the pose which the
+                                        // overlay hangs on, where it hangs on one
   std::uint8_t overlay_status = 0;      // overlay::Status
   bool damaged = false;                 // the source flagged the picture
 };

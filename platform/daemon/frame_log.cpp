@@ -25,7 +25,7 @@ FrameLog::FrameLog(const std::string& path) {
     throw InputError("daemon.frame_log: " + path + ": cannot be written: " + std::strerror(errno));
   std::fputs(
       "sequence,captured_us,dequeued_us,uploaded_us,overlaid_us,composited_us,submitted_us,"
-      "overlay_status,overlay_age_ms,damaged\n",
+      "overlay_status,overlay_age_ms,damaged,shown_us\n",
       file_.get());
 }
 
@@ -49,7 +49,9 @@ void FrameLog::flush() {
                  microseconds(t.captured, t.composited), microseconds(t.captured, t.submitted),
                  t.overlay_status);
     if (t.overlay_age_ms) std::fprintf(file_.get(), "%.2f", static_cast<double>(*t.overlay_age_ms));
-    std::fprintf(file_.get(), ",%d\n", t.damaged);
+    std::fprintf(file_.get(), ",%d,", t.damaged);
+    if (t.shown) std::fprintf(file_.get(), "%lld", microseconds(t.captured, *t.shown));
+    std::fputc('\n', file_.get());
   }
   written_.store(end, std::memory_order_release);
   const std::uint64_t lost = lost_.load(std::memory_order_relaxed);

@@ -10,8 +10,10 @@
 
 namespace depthscope::platform {
 
-/// A line for every picture, in a CSV file: times in microseconds after its capture. The video loop
-/// puts records into a ring; another thread writes them out, so that no disk holds up a picture.
+/// A line for every picture, in a CSV file: times in microseconds after its capture, the last one
+/// (when it was on the glass) empty where the display does not tell or passed it over. The video
+/// loop puts records into a ring; another thread writes them out, so that no disk holds up a
+/// picture.
 class FrameLog {
  public:
   /// Throws InputError when the file cannot be made.

@@ -47,7 +47,8 @@ VideoLoop::VideoLoop(const Parts& parts, const VideoLoopSettings& settings,
       settings_(settings),
       painter_(font_file),
       camera_width_(width),
-      camera_height_(height) {
+      camera_height_(height),
+      ledger_(parts.log) {
   resize(width, height);
 }
 
@@ -147,9 +148,7 @@ void VideoLoop::showPicture(capture::Frame& frame) {
     times.submitted = parts_.system.now();
   }
   last_picture_ = times.dequeued;
-  submitted_[static_cast<std::size_t>(shown_) % submitted_.size()] = {shown_, times.captured};
   parts_.report.frames.fetch_add(1, std::memory_order_relaxed);
-  takeShown();
   account(times);
 }
 
@@ -201,16 +200,6 @@ overlay::Mark VideoLoop::missingMark() const {
   return layer_ != nullptr ? overlay::Mark::Stale : overlay::Mark::NoAr;
 }
 
-/// What the display has learnt meanwhile about when earlier pictures were on the glass.
-void VideoLoop::takeShown() {
-  while (const auto shown = parts_.display.takeShown()) {
-    if (shown->index < 0) continue;
-    const Submitted& picture =
-        submitted_[static_cast<std::size_t>(shown->index) % submitted_.size()];
-    if (picture.index == shown->index) clock_.addShown(picture.captured, shown->shown);
-  }
-}
-
 /// The newest overlay, if it fits the picture and its pose is not too old for it.
 const OverlayLayer* VideoLoop::usableLayer(Time captured) const {
   if (layer_ == nullptr || layer_->width != width_ || layer_->height != height_) return nullptr;
@@ -253,13 +242,14 @@ void VideoLoop::noteLayer(const OverlayLayer* layer, FrameTimes& times) {
 }
 
 void VideoLoop::account(const FrameTimes& times) {
-  clock_.add(times);
-  if (parts_.log != nullptr) parts_.log->add(times);
+  ledger_.submitted(shown_, times);
+  // What the display has learnt meanwhile about when pictures were on the glass.
+  while (const auto shown = parts_.display.takeShown()) ledger_.shown(shown->index, shown->shown);
   VideoReport& report = parts_.report;
   report.overlay_status.store(times.overlay_status, std::memory_order_relaxed);
   if (times.overlay_age_ms) report.tracked.fetch_add(1, std::memory_order_relaxed);
   if (report.frames.load(std::memory_order_relaxed) % pictures_per_summary == 1)
-    report.times.write(clock_.summary());
+    report.times.write(ledger_.summary());
 }
 
 /// A source that only pauses keeps its last picture for a while, darkened and marked; one that says

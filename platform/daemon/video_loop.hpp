@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -8,8 +7,7 @@
 #include "kernel/system_calls.hpp"
 #include "overlay/status_painter.hpp"
 #include "platform/daemon/ar_link.hpp"
-#include "platform/daemon/frame_clock.hpp"
-#include "platform/daemon/frame_log.hpp"
+#include "platform/daemon/frame_ledger.hpp"
 #include "platform/daemon/layer_source.hpp"
 #include "platform/daemon/overlay_deadline.hpp"
 #include "platform/daemon/video_report.hpp"
@@ -53,10 +51,6 @@ class VideoLoop {
 
  private:
   using Time = kernel::SystemCalls::Time;
-  struct Submitted {
-    std::int64_t index = -1;
-    Time captured{};
-  };
 
   void showPicture(capture::Frame& frame);
   void giveUp(const capture::Frame& frame, const FrameTimes& times);
@@ -71,7 +65,6 @@ class VideoLoop {
   void noteLayer(const OverlayLayer* layer, FrameTimes& times);
   void present(std::span<std::uint8_t> picture);
   void account(const FrameTimes& times);
-  void takeShown();
   void noteSource(const capture::ReadResult& result);
 
   Parts parts_;
@@ -83,12 +76,11 @@ class VideoLoop {
   int width_ = 0, height_ = 0;            // [px] of the last picture: fault pictures have its size
   const int camera_width_, camera_height_;  // [px] that the camera file is for
   std::int64_t shown_ = -1;                 // last picture's time in nominal frame times
-  std::array<Submitted, 16> submitted_{};   // the last pictures, by index
   std::optional<Time> last_picture_;
   const OverlayLayer* layer_ = nullptr;  // the newest, if any
   std::uint64_t requests_ = 0;
   OverlayDeadline overlay_deadline_;
-  FrameClock clock_;
+  FrameLedger ledger_;
   bool noted_ = false;  // the log knows of noted_status_
   capture::SourceStatus noted_status_ = capture::SourceStatus::Ok;
 };

@@ -14,6 +14,8 @@ using Eigen::Vector2f;
 // From nothing to the whole overlay. Tracking that is lost for a picture or two dims it for a
 // moment, where it would flash otherwise.
 constexpr double kAppear_s = 0.2;
+// From the whole overlay to nothing, when the pose is lost.
+constexpr double kVanish_s = 0.1;
 
 int labelTextPx(const OverlaySettings& s, int height) {
   return s.label_height_px > 0 ? static_cast<int>(std::lround(s.label_height_px))
@@ -127,11 +129,17 @@ double OverlayRenderer::advance(double time_s) {
   return dt;
 }
 
-/// The overlay goes at once and comes back gently; at once too where the time is unknown.
-float OverlayRenderer::easeIn(float alpha, double dt_s) {
-  const auto step = static_cast<float>(dt_s / kAppear_s);
-  alpha_ = dt_s >= 0 ? std::min(alpha, alpha_ + step) : alpha;
-  return alpha_;
+/// The overlay comes gently, and goes gently as long as there is a pose to draw it by, within its
+/// age limit; at once where the time is unknown.
+float OverlayRenderer::ease(const OverlayState& state, double dt_s) const {
+  const float wanted = poseAlpha(state, settings_);
+  if (dt_s < 0) return wanted;
+  const float most = alpha_ + static_cast<float>(dt_s / kAppear_s);
+  float least = 0;
+  if (state.fading && state.T_camera_world.allFinite())
+    least = std::clamp(alpha_ - static_cast<float>(dt_s / kVanish_s), 0.0f,
+                       ageAlpha(state.age_ms, settings_));
+  return std::clamp(wanted, std::min(least, most), most);
 }
 
 std::optional<PixelRect> OverlayRenderer::draw(int width, int height, const OverlayState& state,
@@ -139,10 +147,10 @@ std::optional<PixelRect> OverlayRenderer::draw(int width, int height, const Over
   if (!prepare(width, height)) return std::nullopt;
   const double dt_s = advance(state.time_s);
   const bool camera_size = width == camera_.width && height == camera_.height;
-  const float alpha = easeIn(camera_size ? poseAlpha(state, settings_) : 0.0f, dt_s);
-  if (alpha <= 0 || settings_.cue == CueMode::Off) return PixelRect{};
+  alpha_ = camera_size ? ease(state, dt_s) : 0;
+  if (alpha_ <= 0 || settings_.cue == CueMode::Off) return PixelRect{};
   layer_.beginSolid();
-  drawTissueCues(state, dt_s, alpha, mark);
+  drawTissueCues(state, dt_s, alpha_, mark);
   if (glGetError() != GL_NO_ERROR) return std::nullopt;
   return whole(layer_);
 }

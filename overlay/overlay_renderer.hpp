@@ -41,7 +41,7 @@ class OverlayRenderer {
                float alpha);
   void addLabels(const OverlayState& state, const PixelRect& mark, bool inset);
   double advance(double time_s);
-  float easeIn(float alpha, double dt_s);
+  float ease(const OverlayState& state, double dt_s) const;
 
   CameraModel camera_;
   OverlaySettings settings_;

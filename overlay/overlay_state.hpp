@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "overlay/overlay_settings.hpp"
@@ -13,7 +14,8 @@ enum class Status : std::uint8_t { NoAr, Initializing, Tracking, Lost, Stale, No
 /// Everything that decides how one picture is drawn over, besides surface and labels.
 struct OverlayState {
   Status status = Status::NoAr;
-  Pose T_camera_world;  // meaningful while status is Tracking
+  bool fading = false;  // status is not Tracking, but the pose of a moment ago is here to fade by
+  Pose T_camera_world;  // meaningful while status is Tracking, or fading
   std::uint32_t map_id =
       0;                 // map the pose belongs to; surface and labels of other maps are not drawn
   float confidence = 0;  // 0..1
@@ -26,5 +28,28 @@ struct OverlayState {
 /// How much of the overlay may be seen, 0..1: none without a pose one can rely on, less as the pose
 /// gets old (from half of the age limit) or doubtful. What is not a number counts as nothing.
 float poseAlpha(const OverlayState& state, const OverlaySettings& settings);
+
+/// The part of it that age alone decides.
+float ageAlpha(float age_ms, const OverlaySettings& settings);
+
+/// Remembers the last pose, so that an overlay that loses it can fade by it, within the age limit,
+/// instead of flashing away.
+class FadeOut {
+ public:
+  /// For each picture's state in turn: one that has no pose gets the last one's, as old as it is by
+  /// now, and is `fading`; unless that is too old by then, or a time is not known.
+  void apply(OverlayState& state, float max_age_ms);
+  void reset() { last_.reset(); }
+
+ private:
+  struct Last {
+    Pose T_camera_world;
+    std::uint32_t map_id;
+    float confidence;
+    float age_ms;
+    double time_s;
+  };
+  std::optional<Last> last_;
+};
 
 }  // namespace depthscope::overlay

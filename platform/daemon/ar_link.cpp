@@ -41,18 +41,19 @@ void ArLink::forget(overlay::Compositor& compositor) {
   surfaces_.takeNewest(surface_);
   surface_.clear();
   labels_.clear();
-  compositor.setSurface(surface_);
+  // Twice, for the one before would still fade away, under poses of another process.
+  for (int i = 0; i < 2; ++i) compositor.setSurface(surface_);
   compositor.setLabels(labels_);
   predictor_.reset();
+  fade_out_.reset();
 }
 
 void ArLink::update(overlay::Compositor& compositor) {
   const std::uint32_t starts = starts_.load(std::memory_order_acquire);
-  if (starts != starts_seen_) {
-    starts_seen_ = starts;
-    forget(compositor);
-  }
+  const bool another = starts != starts_seen_;
+  starts_seen_ = starts;
   if (starts % 2 == 0) return;
+  if (another) forget(compositor);
   updateSurface(compositor);
   updateLabels(compositor);
   updateView(compositor);
@@ -99,39 +100,41 @@ ArLink::View ArLink::view(PublishedFrames::Time captured, int width, int height)
     state.message = "picture size is not the camera file's";
     return view;
   }
-  if (starts_seen_ % 2 == 0) return view;
+  takePose(captured, state);
+  fade_out_.apply(state, max_age_ms_);
+  view.posed = state.fading || state.status == overlay::Status::Tracking;
+  if (view.posed) {
+    state.T_camera_world = predictor_.at(captured);
+    view.pose_captured = pose_captured_;
+  }
+  return view;
+}
+
+/// The newest pose, if it is one to draw by; the status says why not.
+void ArLink::takePose(PublishedFrames::Time captured, overlay::OverlayState& state) {
+  if (starts_seen_ % 2 == 0) return;
   WirePose wire;
   PoseEstimate pose;
   state.status = overlay::Status::Initializing;
-  if (!memory_.block().pose.read(wire)) return view;
-  if (!decodePose(wire, pose)) {
-    reject();
-    state.status = overlay::Status::Stale;
-    return view;
-  }
+  if (!memory_.block().pose.read(wire)) return;
+  state.status = overlay::Status::Stale;
+  if (!decodePose(wire, pose)) return reject();
   const auto pose_time = published_.captured(pose.frame);
   const float age_ms = pose_time
                            ? std::chrono::duration<float, std::milli>(captured - *pose_time).count()
                            : max_age_ms_ + 1;
   // A pose may be newer than the picture: of the next one, found while this was waiting to be drawn
   // over. One of a picture that was never given out is none to draw with.
-  if (age_ms > max_age_ms_) {
-    state.status = overlay::Status::Stale;
-    return view;
-  }
-  if (pose.state == TrackingState::Initializing) return view;
-  if (pose.state == TrackingState::Lost) {
-    state.status = overlay::Status::Lost;
-    return view;
-  }
+  if (age_ms > max_age_ms_) return;
+  state.status = pose.state == TrackingState::Initializing ? overlay::Status::Initializing
+                                                           : overlay::Status::Lost;
+  if (pose.state != TrackingState::Tracking) return;
   state.status = overlay::Status::Tracking;
   predictor_.add(pose.T_camera_world, pose.map_id, *pose_time);
-  state.T_camera_world = predictor_.at(captured);
+  pose_captured_ = *pose_time;
   state.map_id = pose.map_id;
   state.confidence = pose.confidence;
   state.age_ms = std::max(age_ms, 0.0f);
-  view.pose_captured = *pose_time;
-  return view;
 }
 
 }  // namespace depthscope::platform

@@ -23,11 +23,12 @@ class ArLink {
   /// How to draw over a picture.
   struct View {
     overlay::OverlayState state;
-    PublishedFrames::Time pose_captured;  // capture time of the pose's picture; while Tracking
+    bool posed = false;                   // drawn by a pose: while Tracking, and while fading
+    PublishedFrames::Time pose_captured;  // capture time of the picture that it was found in
   };
 
-  /// From any thread: whether an AR process runs. Each time one stops, its surface and labels are
-  /// forgotten.
+  /// From any thread: whether an AR process runs. What one showed fades when it stops; its surface
+  /// and labels are forgotten when the next one starts.
   void setAlive(bool alive);
 
   /// Hands a picture to the AR process, if it has the camera file's size. `gray` is scratch for
@@ -39,7 +40,8 @@ class ArLink {
   bool expectsPose(int width, int height) const {
     return starts_seen_ % 2 == 1 && fits(width, height);
   }
-  /// For a picture of this size captured at `captured`; the pose is predicted to that time.
+  /// For a picture of this size captured at `captured`; the pose is predicted to that time. For
+  /// each picture in turn.
   View view(PublishedFrames::Time captured, int width, int height);
 
   /// From any thread: things that the AR process sent and that did not pass the checks.
@@ -50,6 +52,7 @@ class ArLink {
   void updateSurface(overlay::Compositor& compositor);
   void updateLabels(overlay::Compositor& compositor);
   void updateView(overlay::Compositor& compositor);
+  void takePose(PublishedFrames::Time captured, overlay::OverlayState& state);
   void reject() { rejected_.fetch_add(1, std::memory_order_relaxed); }
   bool fits(int width, int height) const;
 
@@ -59,6 +62,8 @@ class ArLink {
   SurfaceMailboxReader surfaces_;
   PublishedFrames published_;
   PosePredictor predictor_;
+  PublishedFrames::Time pose_captured_;  // of the predictor's last pose
+  overlay::FadeOut fade_out_;
   std::atomic<std::uint32_t> starts_{0};  // odd: alive
   std::uint32_t starts_seen_ = 0;
   std::atomic<std::uint64_t> rejected_{0};

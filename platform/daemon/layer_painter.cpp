@@ -20,6 +20,7 @@ void LayerPainter::draw(const LayerRequest& request, OverlayLayer& layer) {
   layer.width = request.width;
   layer.height = request.height;
   layer.captured = request.captured;
+  layer.posed = view.posed;
   layer.pose_captured = view.pose_captured;
   layer.status = state.status;
   layer.pixels.resize(static_cast<std::size_t>(request.width) *

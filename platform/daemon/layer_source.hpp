@@ -26,9 +26,10 @@ struct OverlayLayer {
   overlay::PixelRect rect;  // outside of it the layer is transparent
   overlay::Status status = overlay::Status::NoAr;
   bool drawn = false;  // false: the graphics driver failed, there is the mark at most
+  bool posed = false;  // something in it hangs on a pose: while Tracking, and fading afterwards
   std::chrono::steady_clock::time_point captured{};       // of the picture it was drawn for
   std::chrono::steady_clock::time_point pose_captured{};  // of the picture that its pose was found
-                                                          // in; meaningful while status is Tracking
+                                                          // in; meaningful while posed
   std::vector<std::uint8_t> pixels;  // premultiplied R G B A, width * height * 4 bytes
 };
 

@@ -203,8 +203,7 @@ overlay::Mark VideoLoop::missingMark() const {
 /// The newest overlay, if it fits the picture and its pose is not too old for it.
 const OverlayLayer* VideoLoop::usableLayer(Time captured) const {
   if (layer_ == nullptr || layer_->width != width_ || layer_->height != height_) return nullptr;
-  const bool by_pose = layer_->status == overlay::Status::Tracking;
-  const Time from = by_pose ? layer_->pose_captured : layer_->captured;
+  const Time from = layer_->posed ? layer_->pose_captured : layer_->captured;
   const duration<float, std::milli> age = captured - from;
   return age.count() <= settings_.max_age_ms ? layer_ : nullptr;
 }
@@ -236,7 +235,7 @@ void VideoLoop::noteLayer(const OverlayLayer* layer, FrameTimes& times) {
   if (!layer->drawn) parts_.report.overlay_failures.fetch_add(1, std::memory_order_relaxed);
   if (layer->number != requests_)
     parts_.report.late_overlays.fetch_add(1, std::memory_order_relaxed);
-  if (layer->status != overlay::Status::Tracking) return;
+  if (!layer->posed) return;
   const duration<float, std::milli> age = times.captured - layer->pose_captured;
   times.overlay_age_ms = std::max(age.count(), 0.0f);
 }
@@ -247,7 +246,8 @@ void VideoLoop::account(const FrameTimes& times) {
   while (const auto shown = parts_.display.takeShown()) ledger_.shown(shown->index, shown->shown);
   VideoReport& report = parts_.report;
   report.overlay_status.store(times.overlay_status, std::memory_order_relaxed);
-  if (times.overlay_age_ms) report.tracked.fetch_add(1, std::memory_order_relaxed);
+  if (times.overlay_status == static_cast<std::uint8_t>(overlay::Status::Tracking))
+    report.tracked.fetch_add(1, std::memory_order_relaxed);
   if (report.frames.load(std::memory_order_relaxed) % pictures_per_summary == 1)
     report.times.write(ledger_.summary());
 }

@@ -21,14 +21,16 @@ OverlayRecorder::OverlayRecorder(const CameraModel& camera,
                                  const std::filesystem::path& video)
     : width_(camera.width),
       height_(camera.height),
+      max_age_ms_(settings.max_age_ms),
       compositor_(camera, settings),
       video_(video, camera.width, camera.height, fps),
       picture_(rgbaBytes(camera)),
       snapshot_(rgbaBytes(camera)) {}
 
-bool OverlayRecorder::show(const capture::Frame& frame, const overlay::OverlayState& state,
+bool OverlayRecorder::show(const capture::Frame& frame, overlay::OverlayState state,
                            std::int64_t index, VideoQueue::WhenFull when_full,
                            Histogram& composite_ms) {
+  fade_out_.apply(state, max_age_ms_);
   const auto out = video_.acquire(when_full);
   if (out.empty()) return false;
   const Stopwatch watch;

@@ -21,7 +21,7 @@ class OverlayRecorder {
   overlay::Compositor& compositor() { return compositor_; }
   /// Composites and records one picture, shown at index / fps seconds; false when the encoder was
   /// busy and the picture was given up. Throws std::runtime_error when the video cannot be written.
-  bool show(const capture::Frame& frame, const overlay::OverlayState& state, std::int64_t index,
+  bool show(const capture::Frame& frame, overlay::OverlayState state, std::int64_t index,
             VideoQueue::WhenFull when_full, Histogram& composite_ms);
   /// Closes the video and writes the last tracked picture, if there was one. Throws
   /// std::runtime_error.
@@ -29,6 +29,8 @@ class OverlayRecorder {
 
  private:
   int width_, height_;
+  float max_age_ms_;
+  overlay::FadeOut fade_out_;
   overlay::Compositor compositor_;
   VideoQueue video_;
   std::vector<std::uint8_t> picture_, snapshot_;

@@ -17,7 +17,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -42,9 +42,10 @@ constexpr int tracking = static_cast<int>(overlay::Status::Tracking);
 constexpr long long age_limit_us = 120000;
 
 struct Picture {
-  std::uint64_t sequence = 0;
+  long sequence = 0;
   long long captured_us = 0, submitted_us = 0;
   int status = 0;
+  bool overlay = false;  // something that hangs on a pose lies over it, be it fading
 };
 
 struct Fault {
@@ -89,21 +90,37 @@ void makeClip(const fs::path& folder) {
   writer.finish();
 }
 
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> found(1);
+  for (char c : line)
+    if (c == ',')
+      found.emplace_back();
+    else
+      found.back() += c;
+  return found;
+}
+
+/// The daemon's record of the pictures that went out, by the names of its columns.
 std::vector<Picture> readLog(const fs::path& file) {
   std::vector<Picture> pictures;
   std::ifstream in(file);
   std::string line;
   std::getline(in, line);
+  const std::vector<std::string> names = cells(line);
   while (std::getline(in, line)) {
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream words(line);
+    const std::vector<std::string> values = cells(line);
+    if (values.size() != names.size()) continue;  // a remark
+    const auto value = [&](const char* name) -> const std::string& {
+      return values.at(
+          static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()));
+    };
     Picture p;
-    long long skip = 0;
-    if (words >> p.sequence >> p.captured_us >> skip >> skip >> skip >> skip >> p.submitted_us >>
-        p.status) {
-      p.submitted_us += p.captured_us;  // the file counts from the capture
-      pictures.push_back(p);
-    }
+    p.sequence = std::stol(value("sequence"));
+    p.captured_us = std::stoll(value("captured_us"));
+    p.submitted_us = p.captured_us + std::stoll(value("submitted_us"));
+    p.status = std::stoi(value("overlay_status"));
+    p.overlay = !value("overlay_age_ms").empty();
+    pictures.push_back(p);
   }
   return pictures;
 }
@@ -174,8 +191,7 @@ int Run::judge(const json& last) {
   const std::vector<Picture> pictures = readLog(folder_ / "frames.csv");
   long dropped = 0, repeated = 0;
   for (std::size_t i = 1; i < pictures.size(); ++i) {
-    const auto step =
-        static_cast<long>(pictures[i].sequence) - static_cast<long>(pictures[i - 1].sequence);
+    const long step = pictures[i].sequence - pictures[i - 1].sequence;
     if (step > 1) dropped += step - 1;
     if (step < 1) ++repeated;
   }
@@ -188,11 +204,11 @@ int Run::judge(const json& last) {
     long long overlay_until = fault.at_us;
     bool back = false;
     for (const Picture& p : pictures) {
-      if (p.captured_us < fault.at_us || p.status != tracking) continue;
-      if (p.captured_us < fault.over_us)
+      if (p.captured_us < fault.at_us) continue;
+      if (p.captured_us >= fault.over_us)
+        back |= p.status == tracking;
+      else if (p.overlay)
         overlay_until = p.captured_us;
-      else
-        back = true;
     }
     longest_us = std::max(longest_us, overlay_until - fault.at_us);
     late += overlay_until - fault.at_us > age_limit_us;

@@ -200,17 +200,25 @@ TEST(CompositorState, NamesAFontThatIsMissing) {
   EXPECT_THROW(Compositor(testCamera(), settings), InputError);
 }
 
-TEST(CompositorState, TheOverlayGoesAtOnceAndComesBackGently) {
-  OverlaySettings settings = plainSettings();
-  settings.opacity = 1;
-  Compositor compositor(testCamera(), settings);
-  compositor.setSurface(wall(-30, 30, -25, 25, 50, 52, 8));
-  OverlayState state = tracking();
-  const auto alphaAt = [&](double time, Status status) {
+/// How much of the overlay is seen in the middle of pictures that follow on each other.
+class CompositorFade : public testing::Test {
+ protected:
+  static OverlaySettings opaque() {
+    OverlaySettings settings = plainSettings();
+    settings.opacity = 1;
+    return settings;
+  }
+  void SetUp() override { compositor.setSurface(wall(-30, 30, -25, 25, 50, 52, 8)); }
+  int alphaAt(double time, Status status) {
     state.time_s = time;
     state.status = status;
-    return static_cast<int>(layerOf(compositor, state).at(160, 120)[3]);
-  };
+    return layerOf(compositor, state).at(160, 120)[3];
+  }
+  Compositor compositor{testCamera(), opaque()};
+  OverlayState state = tracking();
+};
+
+TEST_F(CompositorFade, WithoutAPoseTheOverlayGoesAtOnceAndItComesBackGently) {
   EXPECT_EQ(alphaAt(5.0, Status::Tracking), 255);
   EXPECT_EQ(alphaAt(5.033, Status::Lost), 0);
   EXPECT_NEAR(alphaAt(5.083, Status::Tracking), 64, 2);
@@ -218,6 +226,57 @@ TEST(CompositorState, TheOverlayGoesAtOnceAndComesBackGently) {
   EXPECT_EQ(alphaAt(5.233, Status::Tracking), 255);
   state.confidence = 0.2f;
   EXPECT_NEAR(alphaAt(5.266, Status::Tracking), 128, 2) << "doubt is shown at once";
+}
+
+TEST_F(CompositorFade, WithThePoseOfAMomentAgoItGoesGently) {
+  EXPECT_EQ(alphaAt(5.0, Status::Tracking), 255);
+  state.fading = true;
+  EXPECT_NEAR(alphaAt(5.02, Status::Lost), 204, 2);
+  EXPECT_NEAR(alphaAt(5.04, Status::Lost), 153, 2);
+  state.age_ms = 108;  // of 120
+  EXPECT_NEAR(alphaAt(5.06, Status::Lost), 51, 2) << "never stronger than the age lets it be";
+  state.age_ms = 121;
+  EXPECT_EQ(alphaAt(5.061, Status::Lost), 0);
+  state.age_ms = 0;
+  EXPECT_EQ(alphaAt(5.1, Status::Lost), 0) << "and it does not come back by itself";
+}
+
+TEST(FadeOut, KeepsTheLastPoseForAsLongAsItsAgeAllows) {
+  FadeOut fade_out;
+  OverlayState state = tracking();
+  state.time_s = 7;
+  state.age_ms = 20;
+  state.map_id = 3;
+  state.T_camera_world.t.x() = 4;
+  fade_out.apply(state, 120);
+  EXPECT_FALSE(state.fading);
+  const auto later = [&](double seconds) {
+    OverlayState lost;
+    lost.status = Status::Lost;
+    lost.time_s = 7 + seconds;
+    fade_out.apply(lost, 120);
+    return lost;
+  };
+  const OverlayState soon = later(0.05);
+  EXPECT_TRUE(soon.fading);
+  EXPECT_EQ(soon.status, Status::Lost);
+  EXPECT_NEAR(soon.age_ms, 70, 1e-3);
+  EXPECT_EQ(soon.T_camera_world.t.x(), 4);
+  EXPECT_EQ(soon.map_id, 3u);
+  EXPECT_FALSE(later(0.101).fading) << "too old";
+  EXPECT_FALSE(later(0.05).fading) << "for good";
+}
+
+TEST(FadeOut, HasNothingToFadeWithoutATimeOrAPose) {
+  FadeOut fade_out;
+  OverlayState state;
+  state.time_s = 1;
+  fade_out.apply(state, 120);
+  EXPECT_FALSE(state.fading);
+  OverlayState timeless = tracking();
+  fade_out.apply(timeless, 120);
+  fade_out.apply(state, 120);
+  EXPECT_FALSE(state.fading);
 }
 
 }  // namespace

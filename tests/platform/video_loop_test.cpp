@@ -84,18 +84,62 @@ TEST_F(VideoLoopTest, TheOverlayIsGoneWithinItsAgeLimitWhenPosesStop) {
   EXPECT_EQ(static_cast<overlay::Status>(report.overlay_status.load()), overlay::Status::Stale);
 }
 
-TEST_F(VideoLoopTest, TheOverlayIsGoneWithTheArProcess) {
+/// How strongly the overlay is seen in the n-th picture: levels by which it differs, in all.
+long strength(const std::vector<std::uint8_t>& shown, std::uint64_t n) {
+  const auto plain = plainPicture(n);
+  long sum = 0;
+  for (std::size_t i = pixelAt(0, below_mark, 160); i < plain.size(); ++i)
+    sum += std::abs(shown[i] - plain[i]);
+  return sum;
+}
+
+TEST_F(VideoLoopTest, TheOverlayFadesWithinItsAgeLimitWithTheArProcess) {
   startAr();
+  long before = strength(last().pixels, 24);
   link.setAlive(false);
-  showPicture(true);
-  EXPECT_EQ(differences(last().pixels, plainPicture(25), below_mark, 120), 0);
+  for (std::uint64_t n = 25; n < 27; ++n) {
+    showPicture(true);
+    const long now = strength(last().pixels, n);
+    EXPECT_LT(now, before) << n;
+    EXPECT_GT(now, 0) << n;
+    EXPECT_EQ(static_cast<overlay::Status>(report.overlay_status.load()), overlay::Status::NoAr);
+    before = now;
+  }
+  showPicture(true);  // the last pose is of 132 ms before
+  EXPECT_EQ(strength(last().pixels, 27), 0);
   link.setAlive(true);
   showPicture(true);
-  EXPECT_EQ(differences(last().pixels, plainPicture(26), below_mark, 120), 0)
-      << "the surface was another map's";
+  EXPECT_EQ(strength(last().pixels, 28), 0) << "the surface was another map's";
   sendSurface();
   for (int i = 0; i < 20; ++i) showPicture(true);
-  EXPECT_GT(differences(last().pixels, plainPicture(46), below_mark, 120), 500);
+  EXPECT_GT(differences(last().pixels, plainPicture(48), below_mark, 120), 500);
+}
+
+TEST_F(VideoLoopTest, AnArProcessThatIsBackAtOnceHasNothingOfTheLastOne) {
+  startAr();
+  link.setAlive(false);
+  link.setAlive(true);
+  showPicture(true);
+  EXPECT_EQ(strength(last().pixels, 25), 0);
+}
+
+TEST_F(VideoLoopTest, TheOverlayFadesWhenTheTrackIsLost) {
+  startAr();
+  long before = strength(last().pixels, 24);
+  const std::uint64_t tracked = report.tracked.load();
+  for (std::uint64_t n = 25; n < 27; ++n) {
+    sendPose(sequence - 1, TrackingState::Lost);
+    showPicture(false);
+    const long now = strength(last().pixels, n);
+    EXPECT_LT(now, before) << n;
+    EXPECT_GT(now, 0) << n;
+    EXPECT_EQ(static_cast<overlay::Status>(report.overlay_status.load()), overlay::Status::Lost);
+    before = now;
+  }
+  sendPose(sequence - 1, TrackingState::Lost);
+  showPicture(false);
+  EXPECT_EQ(strength(last().pixels, 27), 0);
+  EXPECT_EQ(report.tracked.load(), tracked);
 }
 
 TEST_F(VideoLoopTest, AGraphicsDriverThatHangsCostsTheOverlayAndNotThePicture) {
@@ -125,9 +169,9 @@ TEST_F(VideoLoopTest, ADisplayThatLaysOverlaysOverByItselfShowsTheSame) {
   EXPECT_EQ(differences(last().pixels, plainPicture(36), below_mark, 120),
             differences(composed, plainPicture(30), below_mark, 120));
   link.setAlive(false);
-  showPicture(true);
-  EXPECT_EQ(differences(last().pixels, plainPicture(37), below_mark, 120), 0);
-  EXPECT_GT(differences(last().pixels, plainPicture(37), 0, below_mark), 100) << "the mark";
+  for (int i = 0; i < 4; ++i) showPicture(true);  // it fades
+  EXPECT_EQ(differences(last().pixels, plainPicture(40), below_mark, 120), 0);
+  EXPECT_GT(differences(last().pixels, plainPicture(40), 0, below_mark), 100) << "the mark";
 }
 
 TEST_F(VideoLoopTest, WhatTheDisplaysPlanesDoNotTakeIsComposed) {

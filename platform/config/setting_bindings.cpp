@@ -51,7 +51,7 @@ void bindOverlay(SettingBinder& b, overlay::OverlaySettings& s) {
            "of the turned-aside view, about the picture's vertical axis");
   b.number("inset_width", s.inset_width, 0.05, 0.5, "of the picture's width");
   b.live(false);
-  b.number("max_age_ms", s.max_age_ms, 10, 1000,
+  b.number("max_age_ms", s.max_age_ms, 10, 10000,
            "an overlay older than this is gone; it fades before");
   b.number("label_height_px", s.label_height_px, 0, 400,
            "of the text; 0: from the picture's height");

@@ -31,12 +31,13 @@ class PublishedFrames {
   }
 
  private:
+  static constexpr std::size_t kept = 256;  // 4 s at 60 pictures a second
   struct Entry {
     std::atomic<std::int64_t> frame{-1};
     std::atomic<Time::rep> captured{0};
   };
-  static std::size_t slot(std::int64_t frame) { return static_cast<std::size_t>(frame) % 64; }
-  std::array<Entry, 64> entries_{};
+  static std::size_t slot(std::int64_t frame) { return static_cast<std::size_t>(frame) % kept; }
+  std::array<Entry, kept> entries_{};
 };
 
 }  // namespace depthscope::platform

@@ -17,10 +17,10 @@ class ArSupervisorTest : public testing::Test {
   ArSupervisor supervisor(const std::string& script) {
     return ArSupervisor({"/bin/sh", "-c", script}, memory, settings);
   }
-  /// Ticks without the time moving until `condition` holds, for some seconds of real time at most.
+  /// Ticks without the time moving until `condition` holds, for a minute of real time at most.
   template <class Condition>
   bool tickUntil(ArSupervisor& ar, Condition&& condition) {
-    for (int i = 0; i < 5000 && !condition(); ++i) {
+    for (int i = 0; i < 60000 && !condition(); ++i) {
       ar.tick(now);
       ::usleep(1000);
     }

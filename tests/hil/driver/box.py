@@ -34,19 +34,23 @@ class Box:
         return self.run(f"systemctl show depthscope --value --property={name}")
 
     def status(self):
-        """What the daemon says of itself; empty while there is no daemon."""
+        """What the daemon says of itself, once it does."""
+        return self.wait_for_status(lambda s: True, "an answer of the daemon")
+
+    def _ask_status(self):
+        """Empty while there is no daemon."""
         answer = self.run("/run/payload/ask status", check=False)
         return json.loads(answer) if answer.startswith("{") else {}
 
     def wait_for_status(self, condition, what):
         """Until `condition(status)` holds; the status."""
         def ask():
-            status = self.status()
+            status = self._ask_status()
             return status if status and condition(status) else None
         try:
             return wait_until(ask, what)
         except Failure as failure:
-            raise Failure(f"{failure}; status: {self.status()}")
+            raise Failure(f"{failure}; status: {self._ask_status()}")
 
     def journal(self):
         """Messages of the service since it was started last, one a line."""

@@ -23,7 +23,7 @@ def run_all(box, names):
         try:
             scenario(box)
             outcome = "ok"
-        except (Failure, ValueError, OSError) as error:
+        except Exception as error:  # the next scenario may tell more
             failed.append(name)
             outcome = f"FAILED: {error}"
             box.keep_screen(f"failed_{name}")

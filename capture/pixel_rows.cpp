@@ -4,14 +4,7 @@
 #include <bit>
 #include <cstring>
 
-// One clone for AVX2, chosen when the program is loaded. Integer code only: both give the same
-// bits. The sanitizers' run-times are not up yet when such a choice is made, so they get the plain
-// function.
-#if defined(__x86_64__) && !defined(DEPTHSCOPE_SANITIZED)
-#define DEPTHSCOPE_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define DEPTHSCOPE_CLONES
-#endif
+#include "types/vector_clones.hpp"
 
 namespace depthscope::capture {
 

@@ -2,97 +2,124 @@
 
 #include <cmath>
 
+#include "types/vector_clones.hpp"
+
 namespace depthscope::recon {
-/// Moves sums over the window's rows from row y - 1 to row y, or starts them at row 0. `columns`
-/// holds `radius_` cells more on either side. `add(row, columns)` adds a row's terms, `subtract`
-/// takes them away.
-template <class Add, class Subtract>
-void Correlator::columnSums(int y, const Add& add, const Subtract& subtract,
-                            std::vector<std::int32_t>& columns) const {
-  const int width = reference_.width, last = reference_.height - 1;
-  std::int32_t* middle = columns.data() + radius_;
+namespace {
+
+/// Adds a row of a picture and of the reference to the sums of columns, and takes another away.
+DEPTHSCOPE_CLONES
+void moveSums(int width, const std::uint8_t* __restrict in, const std::uint8_t* __restrict in_ref,
+              const std::uint8_t* __restrict out, const std::uint8_t* __restrict out_ref,
+              std::int32_t* __restrict luma, std::int32_t* __restrict squares,
+              std::int32_t* __restrict products) {
+  for (int x = 0; x < width; ++x) {
+    const std::int16_t a = in[x], b = out[x], r = in_ref[x], s = out_ref[x];
+    luma[x] += a - b;
+    squares[x] += a * a - b * b;
+    products[x] += a * r - b * s;
+  }
+}
+
+/// Goes on with the outermost sums.
+void pad(std::vector<std::int32_t>& columns, int radius) {
+  std::fill_n(columns.begin(), radius, columns[static_cast<std::size_t>(radius)]);
+  std::fill_n(columns.end() - radius, radius, *(columns.end() - radius - 1));
+}
+
+template <int kRadius>
+[[gnu::always_inline]] inline std::int32_t windowSum(const std::int32_t* columns) {
+  std::int32_t sum = 0;
+  for (int i = 0; i <= 2 * kRadius; ++i) sum += columns[i];
+  return sum;
+}
+
+/// One row of what is worked out once: of each window of the reference its sum and 1 / its standard
+/// deviation, and whether reference and warped picture may be used.
+struct Row {
+  const std::int32_t* sum;
+  const float* inverse_deviation;
+  const std::uint8_t *here, *there;
+};
+
+template <int kRadius>
+[[gnu::always_inline]] inline void costs(int width, const std::int32_t* __restrict luma,
+                                         const std::int32_t* __restrict squares,
+                                         const std::int32_t* __restrict products, Row row,
+                                         float noise, std::uint8_t* __restrict to) {
+  constexpr int n = (2 * kRadius + 1) * (2 * kRadius + 1);
+  const std::int32_t* __restrict sum = row.sum;
+  const float* __restrict inverse_deviation = row.inverse_deviation;
+  const std::uint8_t* __restrict here = row.here;
+  const std::uint8_t* __restrict there = row.there;
+  for (int x = 0; x < width; ++x) {
+    const std::int32_t s = windowSum<kRadius>(luma + x);
+    const auto covariance = static_cast<float>(n * windowSum<kRadius>(products + x) - s * sum[x]);
+    const auto variance = static_cast<float>(n * windowSum<kRadius>(squares + x) - s * s);
+    const float zncc = covariance * inverse_deviation[x] / std::sqrt(variance + noise);
+    // By value: through references, as std::clamp's, the compiler finds no vectors.
+    const float positive = zncc > 0 ? zncc : 0, correlation = positive < 1 ? positive : 1;
+    const int whole = static_cast<int>(255.5f - 255 * correlation);
+    to[x] = static_cast<std::uint8_t>((here[x] & there[x]) != 0 ? whole : 255);
+  }
+}
+
+DEPTHSCOPE_CLONES
+void rowCosts(int radius, int width, const std::int32_t* luma, const std::int32_t* squares,
+              const std::int32_t* products, Row row, float noise, std::uint8_t* to) {
+  if (radius == Correlator::kSmall)
+    costs<Correlator::kSmall>(width, luma, squares, products, row, noise, to);
+  else
+    costs<Correlator::kLarge>(width, luma, squares, products, row, noise, to);
+}
+
+}  // namespace
+
+/// Moves the sums over the window's rows from row y - 1 to row y, or starts them at row 0.
+void Correlator::columnSums(const Grid<std::uint8_t>& picture, int y) {
+  const int last = picture.height - 1;
+  const auto move = [&](const std::uint8_t* in, const std::uint8_t* in_ref, const std::uint8_t* out,
+                        const std::uint8_t* out_ref) {
+    moveSums(picture.width, in, in_ref, out, out_ref, luma_.data() + radius_,
+             squares_.data() + radius_, products_.data() + radius_);
+  };
   if (y == 0) {
-    std::fill_n(middle, width, 0);
-    for (int j = -radius_; j <= radius_; ++j) add(std::clamp(j, 0, last), middle);
+    for (auto* v : {&luma_, &squares_, &products_}) std::fill(v->begin(), v->end(), 0);
+    for (int j = -radius_; j <= radius_; ++j) {
+      const int row = std::clamp(j, 0, last);
+      move(picture.row(row), reference_.row(row), nothing_.data(), nothing_.data());
+    }
   } else {
-    add(std::min(y + radius_, last), middle);
-    subtract(std::max(y - radius_ - 1, 0), middle);
+    const int in = std::min(y + radius_, last), out = std::max(y - radius_ - 1, 0);
+    move(picture.row(in), reference_.row(in), picture.row(out), reference_.row(out));
   }
-  for (int i = 0; i < radius_; ++i) {
-    columns[static_cast<std::size_t>(i)] = middle[0];
-    middle[width + i] = middle[width - 1];
-  }
-}
-
-void Correlator::sumLuma(const Grid<std::uint8_t>& a, int y,
-                         std::vector<std::int32_t>& columns) const {
-  const int width = a.width;
-  columnSums(
-      y,
-      [&](int row, std::int32_t* __restrict to) {
-        const std::uint8_t* p = a.row(row);
-        for (int x = 0; x < width; ++x) to[x] += p[x];
-      },
-      [&](int row, std::int32_t* __restrict to) {
-        const std::uint8_t* p = a.row(row);
-        for (int x = 0; x < width; ++x) to[x] -= p[x];
-      },
-      columns);
-}
-
-void Correlator::sumProducts(const Grid<std::uint8_t>& a, const Grid<std::uint8_t>& b, int y,
-                             std::vector<std::int32_t>& columns) const {
-  const int width = a.width;
-  columnSums(
-      y,
-      [&](int row, std::int32_t* __restrict to) {
-        const std::uint8_t* p = a.row(row);
-        const std::uint8_t* q = b.row(row);
-        for (int x = 0; x < width; ++x) to[x] += p[x] * q[x];
-      },
-      [&](int row, std::int32_t* __restrict to) {
-        const std::uint8_t* p = a.row(row);
-        const std::uint8_t* q = b.row(row);
-        for (int x = 0; x < width; ++x) to[x] -= p[x] * q[x];
-      },
-      columns);
-}
-
-void Correlator::windowSums(const std::vector<std::int32_t>& columns,
-                            std::vector<std::int32_t>& out) const {
-  const int width = reference_.width;
-  std::int32_t* to = out.data();
-  std::copy_n(columns.data(), width, to);
-  for (int i = 1; i <= 2 * radius_; ++i) {
-    const std::int32_t* from = columns.data() + i;
-    for (int x = 0; x < width; ++x) to[x] += from[x];
-  }
+  for (auto* v : {&luma_, &squares_, &products_}) pad(*v, radius_);
 }
 
 void Correlator::setReference(const Grid<std::uint8_t>& reference, const Grid<std::uint8_t>& usable,
                               int radius, float noise) {
   reference_ = reference;
   usable_ = usable;
-  radius_ = radius;
+  radius_ = radius <= kSmall ? kSmall : kLarge;
   const int width = reference.width;
-  const auto padded = static_cast<std::size_t>(width + 2 * radius);
-  for (auto* v : {&column_, &column_squares_, &column_products_}) v->resize(padded);
-  for (auto* v : {&window_, &window_squares_, &window_products_})
-    v->resize(static_cast<std::size_t>(width));
+  for (auto* v : {&luma_, &squares_, &products_})
+    v->resize(static_cast<std::size_t>(width + 2 * radius_));
+  nothing_.assign(static_cast<std::size_t>(width), 0);
   sum_.reset(width, reference.height);
   inverse_deviation_.reset(width, reference.height);
-  const int n = (2 * radius + 1) * (2 * radius + 1);
+  const int n = (2 * radius_ + 1) * (2 * radius_ + 1);
   noise_ = noise * noise * static_cast<float>(n * n);
   for (int y = 0; y < reference.height; ++y) {
-    sumLuma(reference_, y, column_);
-    sumProducts(reference_, reference_, y, column_squares_);
-    windowSums(column_, window_);
-    windowSums(column_squares_, window_squares_);
+    columnSums(reference_, y);
     for (int x = 0; x < width; ++x) {
-      const auto i = static_cast<std::size_t>(x);
-      sum_.at(x, y) = window_[i];
-      const std::int32_t variance = n * window_squares_[i] - window_[i] * window_[i];
-      inverse_deviation_.at(x, y) = 1 / std::sqrt(static_cast<float>(variance) + noise_);
+      std::int32_t sum = 0, squares = 0;
+      for (int i = x; i <= x + 2 * radius_; ++i) {
+        sum += luma_[static_cast<std::size_t>(i)];
+        squares += squares_[static_cast<std::size_t>(i)];
+      }
+      sum_.at(x, y) = sum;
+      inverse_deviation_.at(x, y) =
+          1 / std::sqrt(static_cast<float>(n * squares - sum * sum) + noise_);
     }
   }
 }
@@ -103,30 +130,11 @@ void Correlator::cost(const Grid<std::uint8_t>& warped, const Grid<std::uint8_t>
   out.width = width;
   out.height = height;
   out.cells.resize(reference_.size());
-  const int n = (2 * radius_ + 1) * (2 * radius_ + 1);
   for (int y = 0; y < height; ++y) {
-    sumLuma(warped, y, column_);
-    sumProducts(warped, warped, y, column_squares_);
-    sumProducts(warped, reference_, y, column_products_);
-    windowSums(column_, window_);
-    windowSums(column_squares_, window_squares_);
-    windowSums(column_products_, window_products_);
-    const std::int32_t* s = window_.data();
-    const std::int32_t* ss = window_squares_.data();
-    const std::int32_t* sp = window_products_.data();
-    const std::int32_t* sr = sum_.row(y);
-    const float* inverse = inverse_deviation_.row(y);
-    const std::uint8_t* here = usable_.row(y);
-    const std::uint8_t* there = usable.row(y);
-    std::uint8_t* to = out.row(y);
-    for (int x = 0; x < width; ++x) {
-      const auto covariance = static_cast<float>(n * sp[x] - s[x] * sr[x]);
-      const auto variance = static_cast<float>(n * ss[x] - s[x] * s[x]);
-      const float zncc = covariance * inverse[x] / std::sqrt(variance + noise_);
-      const float cost = 255.5f - 255 * std::clamp(zncc, 0.f, 1.f);
-      const int whole = static_cast<int>(cost);
-      to[x] = static_cast<std::uint8_t>((here[x] & there[x]) != 0 ? whole : 255);
-    }
+    columnSums(warped, y);
+    rowCosts(radius_, width, luma_.data(), squares_.data(), products_.data(),
+             {sum_.row(y), inverse_deviation_.row(y), usable_.row(y), usable.row(y)}, noise_,
+             out.row(y));
   }
 }
 

@@ -10,6 +10,8 @@ namespace depthscope::recon {
 /// their order.
 class Correlator {
  public:
+  static constexpr int kSmall = 2, kLarge = 3;  // the radii of windows that there are [px]
+
   /// Takes the reference picture; windows have (2 radius + 1)^2 pixels, at the border the outermost
   /// ones count repeatedly. Texture below `noise` [grey levels], of the sensor and of compression,
   /// does not correlate.
@@ -21,22 +23,16 @@ class Correlator {
             Grid<std::uint8_t>& out);
 
  private:
-  template <class Add, class Subtract>
-  void columnSums(int y, const Add& add, const Subtract& subtract,
-                  std::vector<std::int32_t>& columns) const;
-  void sumLuma(const Grid<std::uint8_t>& a, int y, std::vector<std::int32_t>& columns) const;
-  void sumProducts(const Grid<std::uint8_t>& a, const Grid<std::uint8_t>& b, int y,
-                   std::vector<std::int32_t>& columns) const;
-  void windowSums(const std::vector<std::int32_t>& columns, std::vector<std::int32_t>& out) const;
+  void columnSums(const Grid<std::uint8_t>& picture, int y);
 
   Grid<std::uint8_t> reference_, usable_;
-  int radius_ = 2;
+  std::vector<std::uint8_t> nothing_;  // a row of zeros
+  int radius_ = kSmall;
   float noise_ = 0;  // of a window's variance, as the sums below scale it
   Grid<std::int32_t> sum_;
   Grid<float> inverse_deviation_;
-  // Rows of sums: over the columns of the window, then over the window.
-  std::vector<std::int32_t> column_, column_squares_, column_products_;
-  std::vector<std::int32_t> window_, window_squares_, window_products_;
+  // Sums over the window's rows, of each column: with `radius_` cells more on either side.
+  std::vector<std::int32_t> luma_, squares_, products_;
 };
 
 }  // namespace depthscope::recon

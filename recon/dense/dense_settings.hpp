@@ -8,14 +8,14 @@ namespace depthscope::recon {
 struct DenseSettings {
   // Keyframes kept. Memory: about 0.2 MB a picture of 320x240 and 0.2 MB a depth map.
   int pictures = 96;
-  int depth_maps = 48;
+  int depth_maps = 64;
   int picture_width = 320;          // [px] that pictures are reduced to, by a whole factor
   int dark_threshold = 24;          // [grey levels] at or below, joined to the border: no tissue
   int specular_threshold = 230;     // [grey levels] at or above: saturated
   double specular_contrast = 1.35;  // times the brightness around: a highlight
 
   // Which keyframes get a depth map: those whose map points few have covered, most of them first.
-  int new_depth_maps = 6;     // for one surface at most: bounds its time
+  int new_depth_maps = 8;     // for one surface at most: bounds its time
   int wanted_cover = 4;       // depth maps that should see a map point
   double min_novelty = 0.25;  // share of a keyframe's points that still lack them
 
@@ -39,8 +39,8 @@ struct DenseSettings {
   int max_blocks = 16384;       // of 4^3 voxels; 1 kB each. More needed: larger voxels
   double full_views = 4;        // depth maps at a place of confidence 1,
   double full_scatter = 1;      // [voxels] and standard deviation among so many that halves it
-  double min_confidence = 0.5;  // below it there is no surface
-  double min_island_area = 60;  // [voxels^2] smaller separate pieces are dropped
+  double min_confidence = 0.4;  // below it there is no surface
+  double min_island_area = 20;  // [voxels^2] smaller separate pieces are dropped
 };
 
 }  // namespace depthscope::recon

@@ -11,8 +11,10 @@ constexpr int kCoarsest = kLevels - 1;
 constexpr int kCoarseHypotheses = 32;  // planes over the whole range of depth
 constexpr int kFineHypotheses = 8;     // around the depth found at the level before,
 constexpr int kFinestHypotheses = 4;   // at the finest level
-constexpr double kMaxTilt_deg = 80;    // of the surface from the line of sight
-constexpr int kCoarseRadius = 2;       // of the windows [px]
+/// Of the surface from the line of sight. Steeper is, where depth jumps, a bridge from near to far;
+/// tissue as steep as that is seen less steeply by another keyframe.
+constexpr double kMaxTilt_deg = 75;
+constexpr int kCoarseRadius = Correlator::kSmall;  // of the windows [px]
 /// Tissue lies nearer and farther than the map points by this much, as a share of inverse depth.
 constexpr float kBeyondSeeds = 0.35f;
 constexpr int kSeedPenalty = 80;        // on hypotheses that a map point speaks against, out of 255

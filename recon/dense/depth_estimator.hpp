@@ -26,7 +26,7 @@ struct DepthSource {
 /// kept from call to call.
 class DepthEstimator {
  public:
-  static constexpr int kRadius = 3;  // of the largest windows [px]
+  static constexpr int kRadius = Correlator::kLarge;  // of the largest windows [px]
 
   DepthEstimator(const PinholeView& view, const DenseSettings& settings)
       : view_(view), settings_(settings) {}

@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "types/vector_clones.hpp"
+
 namespace depthscope::recon {
 namespace {
 
@@ -26,10 +28,93 @@ Warp warpOf(const Pose& T_source_reference, const PinholeLevel& level) {
           (K * T_source_reference.t).cast<float>()};
 }
 
+// By value: through the references of std::min and std::max the compiler finds no vectors.
+[[gnu::always_inline]] inline float atLeast(float low, float v) {
+  return v < low ? low : v;
+}
+[[gnu::always_inline]] inline float atMost(float high, float v) {
+  return v > high ? high : v;
+}
+
+/// Packs each pixel with its right, lower and lower right neighbour, so that one access gets all.
+DEPTHSCOPE_CLONES
+void packRow(int width, const std::uint8_t* __restrict upper, const std::uint8_t* __restrict lower,
+             std::uint32_t* __restrict to) {
+  for (int x = 0; x + 1 < width; ++x)
+    to[x] = static_cast<std::uint32_t>(upper[x]) | static_cast<std::uint32_t>(upper[x + 1]) << 8 |
+            static_cast<std::uint32_t>(lower[x]) << 16 |
+            static_cast<std::uint32_t>(lower[x + 1]) << 24;
+}
+
+void pack(const Grid<std::uint8_t>& luma, Grid<std::uint32_t>& out) {
+  out.reset(luma.width, luma.height);
+  for (int y = 0; y + 1 < luma.height; ++y)
+    packRow(luma.width, luma.row(y), luma.row(y + 1), out.row(y));
+}
+
+/// Where one row of the reference lies in a source, and whether that is inside. Windows at the
+/// border of the source go on with its outermost pixels. Weights are of the fractions of a pixel:
+/// that to the right in the lower half, that downwards in the upper.
+struct RowWarp {
+  Eigen::Vector3f start, step, per_depth;  // homogeneous source pixel: start + x step + q per_depth
+  int width, height;
+};
+DEPTHSCOPE_CLONES
+void placeRow(const RowWarp& w, const float* __restrict centre, float offset,
+              std::int32_t* __restrict place, std::uint32_t* __restrict weights,
+              std::uint8_t* __restrict usable) {
+  const float right = static_cast<float>(w.width - 1) - 1.f / kOne;
+  const float bottom = static_cast<float>(w.height - 1) - 1.f / kOne;
+  const float u0 = w.start[0], v0 = w.start[1], z0 = w.start[2];
+  const float du = w.step[0], dv = w.step[1], dz = w.step[2];
+  const float eu = w.per_depth[0], ev = w.per_depth[1], ez = w.per_depth[2];
+  const int width = w.width;
+  for (int x = 0; x < width; ++x) {
+    const float q = atLeast(0, centre[x] + offset), fx = static_cast<float>(x);
+    const float z = atLeast(kMinDepthRatio, z0 + dz * fx + q * ez);
+    const float u = (u0 + du * fx + q * eu) / z;
+    const float v = (v0 + dv * fx + q * ev) / z;
+    const float inside_u = atMost(right, atLeast(0, u));
+    const float inside_v = atMost(bottom, atLeast(0, v));
+    const int fixed_u = static_cast<int>(inside_u * kOne + 0.5f);
+    const int fixed_v = static_cast<int>(inside_v * kOne + 0.5f);
+    place[x] = (fixed_v >> kBits) * width + (fixed_u >> kBits);
+    weights[x] = static_cast<std::uint32_t>((fixed_u & (kOne - 1)) | (fixed_v & (kOne - 1)) << 16);
+    const float outside = std::abs(u - inside_u) + std::abs(v - inside_v) + (q > 0 ? 0.f : 1.f);
+    usable[x] = static_cast<std::uint8_t>(outside > 0 ? 0 : 1);
+  }
+}
+
+DEPTHSCOPE_CLONES
+void keepTwoBest(std::size_t n, const std::uint8_t* __restrict cost, std::uint8_t* __restrict best,
+                 std::uint8_t* __restrict second) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint8_t worse = std::max(best[i], cost[i]);
+    second[i] = std::min(second[i], worse);
+    best[i] = std::min(best[i], cost[i]);
+  }
+}
+
+/// Bilinear interpolation.
+DEPTHSCOPE_CLONES
+void blendRow(int width, const std::uint32_t* __restrict quads,
+              const std::uint32_t* __restrict weights, std::uint8_t* __restrict to) {
+  for (int x = 0; x < width; ++x) {
+    const auto quad = static_cast<std::int32_t>(quads[x] & 0xffffff);
+    const std::int32_t a = static_cast<std::int32_t>(weights[x] & 0xffff);
+    const std::int32_t b = static_cast<std::int32_t>(weights[x] >> 16);
+    const std::int32_t upper = (kOne - a) * (quad & 0xff) + a * (quad >> 8 & 0xff);
+    const std::int32_t lower =
+        (kOne - a) * (quad >> 16) + a * static_cast<std::int32_t>(quads[x] >> 24);
+    to[x] = static_cast<std::uint8_t>(((kOne - b) * upper + b * lower + kOne * kOne / 2) >>
+                                      (2 * kBits));
+  }
+}
+
 }  // namespace
 
-void PlaneSweep::begin(const RectifiedLevel& reference, int radius, float noise,
-                       CostVolume& volume) {
+void PlaneSweep::begin(const RectifiedLevel& reference, const std::vector<SweepSource>& sources,
+                       int radius, float noise, CostVolume& volume) {
   const Grid<std::uint8_t>& luma = reference.luma;
   volume.width = luma.width;
   volume.height = luma.height;
@@ -37,8 +122,11 @@ void PlaneSweep::begin(const RectifiedLevel& reference, int radius, float noise,
   correlator_.setReference(luma, reference.usable, radius, noise);
   warped_.reset(luma.width, luma.height);
   usable_.reset(luma.width, luma.height);
-  u_.resize(static_cast<std::size_t>(luma.width));
-  v_.resize(u_.size());
+  place_.resize(static_cast<std::size_t>(luma.width));
+  weights_.resize(place_.size());
+  row_quads_.resize(place_.size());
+  quads_.resize(std::max(quads_.size(), sources.size()));
+  for (std::size_t s = 0; s < sources.size(); ++s) pack(sources[s].picture->luma, quads_[s]);
 }
 
 void PlaneSweep::plane(const std::vector<SweepSource>& sources, const PinholeLevel& level, int k,
@@ -48,17 +136,10 @@ void PlaneSweep::plane(const std::vector<SweepSource>& sources, const PinholeLev
   best_.reset(volume.width, volume.height, 255);
   second_.reset(volume.width, volume.height, 255);
   const std::size_t n = best_.size();
-  for (const SweepSource& source : sources) {
-    warp(source, level, volume, offset);
+  for (std::size_t s = 0; s < sources.size(); ++s) {
+    warp(sources[s], quads_[s], level, volume, offset);
     correlator_.cost(warped_, usable_, cost_);
-    std::uint8_t* best = best_.cells.data();
-    std::uint8_t* second = second_.cells.data();
-    const std::uint8_t* cost = cost_.cells.data();
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::uint8_t worse = std::max(best[i], cost[i]);
-      second[i] = std::min(second[i], worse);
-      best[i] = std::min(best[i], cost[i]);
-    }
+    keepTwoBest(n, cost_.cells.data(), best_.cells.data(), second_.cells.data());
   }
   std::uint8_t* to = volume.cost.data() + k;
   for (std::size_t i = 0; i < n; ++i) {
@@ -69,49 +150,21 @@ void PlaneSweep::plane(const std::vector<SweepSource>& sources, const PinholeLev
   }
 }
 
-void PlaneSweep::warp(const SweepSource& source, const PinholeLevel& level,
-                      const CostVolume& volume, float offset) {
+void PlaneSweep::warp(const SweepSource& source, const Grid<std::uint32_t>& quads,
+                      const PinholeLevel& level, const CostVolume& volume, float offset) {
   const Warp w = warpOf(source.T_source_reference, level);
-  const Grid<std::uint8_t>& luma = source.picture->luma;
-  const float right = static_cast<float>(luma.width - 1) - 1.f / kOne;
-  const float bottom = static_cast<float>(luma.height - 1) - 1.f / kOne;
+  const std::uint8_t* usable_there = source.picture->usable.cells.data();
   for (int y = 0; y < volume.height; ++y) {
-    const Eigen::Vector3f start = w.H.col(1) * static_cast<float>(y) + w.H.col(2);
-    const float* centre = volume.centre.row(y);
+    const RowWarp row{w.H.col(1) * static_cast<float>(y) + w.H.col(2), w.H.col(0), w.e,
+                      volume.width, volume.height};
     std::uint8_t* usable = usable_.row(y);
-    for (int x = 0; x < volume.width; ++x) {
-      const float q = std::max(centre[x] + offset, 0.f), fx = static_cast<float>(x);
-      const float z = std::max(start.z() + w.H(2, 0) * fx + q * w.e.z(), kMinDepthRatio);
-      const float u = (start.x() + w.H(0, 0) * fx + q * w.e.x()) / z;
-      const float v = (start.y() + w.H(1, 0) * fx + q * w.e.y()) / z;
-      const float inside_u = std::min(std::max(u, 0.f), right);
-      const float inside_v = std::min(std::max(v, 0.f), bottom);
-      // Windows at the border of the source go on with its outermost pixels.
-      u_[static_cast<std::size_t>(x)] = static_cast<int>(inside_u * kOne + 0.5f);
-      v_[static_cast<std::size_t>(x)] = static_cast<int>(inside_v * kOne + 0.5f);
-      usable[x] = (u == inside_u) & (v == inside_v) & (q > 0);
+    placeRow(row, volume.centre.row(y), offset, place_.data(), weights_.data(), usable);
+    for (std::size_t x = 0; x < place_.size(); ++x) {
+      const auto place = static_cast<std::size_t>(place_[x]);
+      row_quads_[x] = quads.cells[place];
+      usable[x] &= usable_there[place];
     }
-    sample(*source.picture, y);
-  }
-}
-
-/// Bilinear interpolation of one row at u_, v_.
-void PlaneSweep::sample(const RectifiedLevel& source, int y) {
-  const Grid<std::uint8_t>& luma = source.luma;
-  const std::uint8_t* pixels = luma.cells.data();
-  const std::uint8_t* usable_there = source.usable.cells.data();
-  std::uint8_t* to = warped_.row(y);
-  std::uint8_t* usable = usable_.row(y);
-  for (int x = 0; x < luma.width; ++x) {
-    const std::int32_t u = u_[static_cast<std::size_t>(x)], v = v_[static_cast<std::size_t>(x)];
-    const std::ptrdiff_t place = (v >> kBits) * luma.width + (u >> kBits);
-    const std::uint8_t* upper = pixels + place;
-    const std::uint8_t* lower = upper + luma.width;
-    const int a = u & (kOne - 1), b = v & (kOne - 1);
-    const int value = (kOne - b) * ((kOne - a) * upper[0] + a * upper[1]) +
-                      b * ((kOne - a) * lower[0] + a * lower[1]);
-    to[x] = static_cast<std::uint8_t>((value + kOne * kOne / 2) >> (2 * kBits));
-    usable[x] &= usable_there[place];
+    blendRow(volume.width, row_quads_.data(), weights_.data(), warped_.row(y));
   }
 }
 

@@ -33,7 +33,7 @@ class PlaneSweep {
   bool run(const RectifiedLevel& reference, const std::vector<SweepSource>& sources,
            const PinholeLevel& level, int radius, float noise, CostVolume& volume,
            const Cancelled& cancelled) {
-    begin(reference, radius, noise, volume);
+    begin(reference, sources, radius, noise, volume);
     for (int k = 0; k < volume.hypotheses; ++k) {
       if (cancelled()) return false;
       plane(sources, level, k, volume);
@@ -42,16 +42,20 @@ class PlaneSweep {
   }
 
  private:
-  void begin(const RectifiedLevel& reference, int radius, float noise, CostVolume& volume);
+  void begin(const RectifiedLevel& reference, const std::vector<SweepSource>& sources, int radius,
+             float noise, CostVolume& volume);
   void plane(const std::vector<SweepSource>& sources, const PinholeLevel& level, int k,
              CostVolume& volume);
-  void warp(const SweepSource& source, const PinholeLevel& level, const CostVolume& volume,
-            float offset);
-  void sample(const RectifiedLevel& source, int y);
+  void warp(const SweepSource& source, const Grid<std::uint32_t>& quads, const PinholeLevel& level,
+            const CostVolume& volume, float offset);
 
   Correlator correlator_;
+  std::vector<Grid<std::uint32_t>> quads_;  // of each source: a pixel, its right, lower, and
+                                            // lower right neighbour, from the lowest byte up
   Grid<std::uint8_t> warped_, usable_, cost_, best_, second_;
-  std::vector<std::int32_t> u_, v_;  // of one row [1/32 px]
+  // Of one row: the pixel's place in the source, the weights of its quad [1/1024], the quad.
+  std::vector<std::int32_t> place_;
+  std::vector<std::uint32_t> weights_, row_quads_;
 };
 
 }  // namespace depthscope::recon

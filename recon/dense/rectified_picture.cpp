@@ -36,18 +36,21 @@ void markView(const Luma& picture, int dark_threshold, Luma& view) {
 
 /// Takes from the view what is within `radius` of its edge. The picture's own border is no edge.
 void erode(int radius, Luma& view) {
+  const int width = view.width, height = view.height;
   Luma rows = view;
-  for (int y = 0; y < view.height; ++y)
-    for (int x = 0; x < view.width; ++x) {
-      std::uint8_t least = 1;
-      for (int i = -radius; i <= radius; ++i) least = std::min(least, view.clamped(x + i, y));
-      rows.at(x, y) = least;
+  for (int y = 0; y < height; ++y)
+    for (int i = 1; i <= radius; ++i) {
+      const std::uint8_t* from = view.row(y);
+      std::uint8_t* to = rows.row(y);
+      for (int x = 0; x + i < width; ++x) to[x] &= from[x + i];
+      for (int x = i; x < width; ++x) to[x] &= from[x - i];
     }
-  for (int y = 0; y < view.height; ++y)
-    for (int x = 0; x < view.width; ++x) {
-      std::uint8_t least = 1;
-      for (int j = -radius; j <= radius; ++j) least = std::min(least, rows.clamped(x, y + j));
-      view.at(x, y) = least;
+  view = rows;
+  for (int y = 0; y < height; ++y)
+    for (int j = std::max(y - radius, 0); j <= std::min(y + radius, height - 1); ++j) {
+      const std::uint8_t* from = rows.row(j);
+      std::uint8_t* to = view.row(y);
+      for (int x = 0; x < width; ++x) to[x] &= from[x];
     }
 }
 
@@ -86,27 +89,32 @@ struct Integral {
 };
 
 /// Paints pixels that are saturated or stand out from the tissue around them, and their neighbours.
+/// The brightness around is worked out once for cells of a few pixels: it changes slowly.
 void paintSpeculars(Luma& picture, const DenseSettings& settings) {
   const Integral integral(picture);
   const int reach = picture.width / 10;  // a fifth of the width around each pixel
   std::vector<std::pair<std::size_t, std::uint8_t>> painted;
   const auto brightnessAround = [&](int x, int y) {
-    return integral.mean(std::max(x - reach, 0), std::max(y - reach, 0),
-                         std::min(x + reach + 1, picture.width),
-                         std::min(y + reach + 1, picture.height));
+    return static_cast<int>(integral.mean(std::max(x - reach, 0), std::max(y - reach, 0),
+                                          std::min(x + reach + 1, picture.width),
+                                          std::min(y + reach + 1, picture.height)));
   };
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const int value = picture.at(x, y);
-      if (value == kNothing) continue;
-      const auto around = static_cast<int>(brightnessAround(x, y));
-      if (value < settings.specular_threshold && value < settings.specular_contrast * around)
-        continue;
-      const auto fill = static_cast<std::uint8_t>(std::max(around, 1));
-      for (int j = std::max(y - 1, 0); j <= std::min(y + 1, picture.height - 1); ++j)
-        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, picture.width - 1); ++i)
-          if (picture.at(i, j) != kNothing)
-            painted.emplace_back(static_cast<std::size_t>(j * picture.width + i), fill);
+  const auto paint = [&](int x, int y, std::uint8_t fill) {
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, picture.height - 1); ++j)
+      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, picture.width - 1); ++i)
+        if (picture.at(i, j) != kNothing)
+          painted.emplace_back(static_cast<std::size_t>(j * picture.width + i), fill);
+  };
+  constexpr int kCell = 4;
+  for (int top = 0; top < picture.height; top += kCell)
+    for (int left = 0; left < picture.width; left += kCell) {
+      const int around = brightnessAround(left + kCell / 2, top + kCell / 2);
+      const double limit =
+          std::min<double>(settings.specular_threshold, settings.specular_contrast * around);
+      for (int y = top; y < std::min(top + kCell, picture.height); ++y)
+        for (int x = left; x < std::min(left + kCell, picture.width); ++x)
+          if (picture.at(x, y) != kNothing && picture.at(x, y) >= limit)
+            paint(x, y, static_cast<std::uint8_t>(std::max(around, 1)));
     }
   for (const auto& [cell, fill] : painted) picture.cells[cell] = fill;
 }

@@ -6,8 +6,6 @@
 namespace depthscope::recon {
 namespace {
 
-/// A step from one depth to the next beyond this share of it is an edge: between them is no tissue.
-constexpr float kEdge = 0.03f;
 constexpr int kAllocationStride = 2;  // [px] between rays that make blocks
 
 }  // namespace

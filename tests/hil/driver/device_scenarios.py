@@ -127,7 +127,7 @@ def a_mode_out_of_range_is_said_and_recovers(box):
 
 
 def a_changed_mode_is_followed(box):
-    """720p colour bars, right in colour and size, and back."""
+    """720p colour bars, right in colour and size, marked as too large for the camera file, and back."""
     box.tower.show_colour_bars("1280x720p60")
 
     def bars():
@@ -138,7 +138,8 @@ def a_changed_mode_is_followed(box):
         near = all(abs(a - b) <= 4 for bar, wanted in zip(seen, SMPTE_BARS) for a, b in zip(bar, wanted))
         return screen if near else None
     wait_until(bars, "colour bars in 720p")
-    box.keep_screen("changed_mode")
+    box.wait_for_status(lambda s: s["overlay"] == "no AR", "the mark that says that there is no AR")
+    box.keep(wait_until(bars, "colour bars in 720p"), "changed_mode")
     box.tower.show_clip()
     wait_for_tower(box)
 

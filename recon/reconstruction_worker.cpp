@@ -19,8 +19,8 @@ void lowerPriority() {
 
 }  // namespace
 
-ReconstructionWorker::ReconstructionWorker(const CameraModel& camera,
-                                           const ReconSettings& settings, Listener on_finished)
+ReconstructionWorker::ReconstructionWorker(const CameraModel& camera, const ReconSettings& settings,
+                                           Listener on_finished)
     : reconstructor_(camera, settings),
       inbox_(reconstructor_.pictureReduction() > 0
                  ? std::make_unique<PictureInbox>(camera.width, camera.height,
@@ -90,8 +90,7 @@ void ReconstructionWorker::loop(const std::stop_token& stop) {
     std::stop_token running;
     {
       std::unique_lock lock(mutex_);
-      if (!wake_.wait(lock, stop,
-                      [this] { return has_waiting_ || (inbox_ && inbox_->waiting()); }))
+      if (!wake_.wait(lock, stop, [this] { return has_waiting_ || (inbox_ && inbox_->waiting()); }))
         return;
       if (!has_waiting_) {
         lock.unlock();
@@ -113,8 +112,12 @@ void ReconstructionWorker::loop(const std::stop_token& stop) {
 
 void ReconstructionWorker::deliver(ReconStatus status, double duration_ms) {
   const bool ok = status == ReconStatus::Ok;
-  const ReconReport report{status, duration_ms, cloud_.map_id, cloud_.points.size(),
-                           ok ? mesh_.triangles.size() : 0};
+  const ReconReport report{status,
+                           duration_ms,
+                           cloud_.map_id,
+                           cloud_.points.size(),
+                           ok ? mesh_.triangles.size() : 0,
+                           ok ? reconstructor_.lastChange() : SurfaceChange{}};
   if (ok) {
     const std::lock_guard lock(mutex_);
     std::swap(newest_, mesh_);

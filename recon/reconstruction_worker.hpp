@@ -16,6 +16,7 @@ struct ReconReport {
   std::uint32_t map_id = 0;
   std::size_t points = 0;     // in the cloud
   std::size_t triangles = 0;  // in the mesh; 0 unless Ok
+  SurfaceChange change;       // from the surface before; see Reconstructor::lastChange()
 };
 
 /// Reconstructs on a thread of its own at low priority. Requests and meshes are exchanged by a swap
@@ -34,8 +35,8 @@ class ReconstructionWorker {
   ReconstructionWorker(const ReconstructionWorker&) = delete;
   ReconstructionWorker& operator=(const ReconstructionWorker&) = delete;
 
-  /// Hands over the picture of a keyframe; it is copied, reduced. Neither waits nor allocates. False
-  /// when so many wait that there is no room. From one thread.
+  /// Hands over the picture of a keyframe; it is copied, reduced. Neither waits nor allocates.
+  /// False when so many wait that there is no room. From one thread.
   bool addKeyframe(const GrayView& luma, std::int64_t frame);
   /// Swaps `cloud` with the waiting request (whose storage comes back for reuse) and wakes the
   /// worker. False, and `cloud` as it was, in the rare case that the worker is at the exchange

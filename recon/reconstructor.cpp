@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "recon/dense/cloud_index.hpp"
 #include "recon/dense/dense_reconstructor.hpp"
 #include "recon/mls_smoothing.hpp"
 #include "recon/point_filters.hpp"
@@ -74,6 +75,7 @@ const char* toString(ReconStatus status) {
 
 Reconstructor::Reconstructor(const CameraModel& camera, const ReconSettings& settings)
     : settings_(settings) {
+  const MemoryScope metered(memory_);
   check(settings_);
   if (settings_.method == ReconSettings::Method::Dense) {
     reduction_ = reductionFactor(camera.width, settings_.dense.picture_width);
@@ -86,6 +88,7 @@ Reconstructor::Reconstructor(const CameraModel& camera, const ReconSettings& set
 Reconstructor::~Reconstructor() = default;
 
 void Reconstructor::addKeyframe(const KeyframePicture& picture) noexcept {
+  const MemoryScope metered(memory_);
   try {
     if (dense_) dense_->addKeyframe(picture);
   } catch (const std::exception&) {
@@ -95,6 +98,7 @@ void Reconstructor::addKeyframe(const KeyframePicture& picture) noexcept {
 
 ReconStatus Reconstructor::reconstruct(const SparseCloud& cloud, SurfaceMesh& out,
                                        std::stop_token stop) noexcept {
+  const MemoryScope metered(memory_);
   try {
     SurfaceMesh mesh;
     ReconStatus status = ReconStatus::TooFewPoints;
@@ -103,6 +107,7 @@ ReconStatus Reconstructor::reconstruct(const SparseCloud& cloud, SurfaceMesh& ou
     if (status == ReconStatus::TooFewPoints) status = sparse(cloud, mesh, stop);
     if (status != ReconStatus::Ok) return status;
     mesh.map_id = cloud.map_id;
+    compareWithLast(mesh, cloud);
     mesh.version = ++version_;
     out = std::move(mesh);
     return ReconStatus::Ok;
@@ -113,8 +118,20 @@ ReconStatus Reconstructor::reconstruct(const SparseCloud& cloud, SurfaceMesh& ou
   }
 }
 
+void Reconstructor::compareWithLast(const SurfaceMesh& mesh, const SparseCloud& cloud) {
+  constexpr float kReach = 3 * kJump;  // farther apart they are different places
+  change_ = {};
+  const float depth = CloudIndex(cloud).medianDepth();
+  if (last_.map_id == mesh.map_id && depth > 0) {
+    change_ = compareSurfaces(last_, mesh, kJump * depth, kReach * depth);
+    change_.largest /= depth;
+  }
+  last_.map_id = mesh.map_id;
+  last_.vertices = mesh.vertices;
+}
+
 ReconStatus Reconstructor::sparse(const SparseCloud& cloud, SurfaceMesh& mesh,
-                               const std::stop_token& stop) const {
+                                  const std::stop_token& stop) const {
   const auto min_points = static_cast<std::size_t>(settings_.min_points);
 
   const SupportCloud::ConstPtr usable = usablePoints(cloud, settings_);

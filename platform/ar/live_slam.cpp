@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "platform/log.hpp"
+#include "platform/ar/surface_log.hpp"
 #include "types/allocation_scope.hpp"
 
 namespace depthscope::platform {
@@ -20,10 +20,7 @@ LiveSlam::LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam,
 }
 
 void LiveSlam::reconstructed(const recon::ReconReport& report) {
-  if (report.status == recon::ReconStatus::OutOfMemory ||
-      report.status == recon::ReconStatus::Failed)
-    log(LogPriority::Warning, "reconstruction failed",
-        {{"why", recon::toString(report.status)}, {"points", report.points}});
+  logReconstruction(report.status, report.points, report.change);
   if (report.status != recon::ReconStatus::Ok) return;
   const std::lock_guard lock(times_mutex_);
   reconstruct_ms_.add(report.duration_ms);

@@ -1,6 +1,7 @@
 #include <utility>
 
-#include "platform/log.hpp"
+#include "platform/allocation_hook.hpp"
+#include "platform/ar/surface_log.hpp"
 #include "platform/replay/replay_clip.hpp"
 #include "platform/stopwatch.hpp"
 
@@ -10,9 +11,7 @@ bool reconstruct(recon::Reconstructor& reconstructor, const SparseCloud& cloud, 
                  RunMetrics& metrics) {
   const Stopwatch watch;
   const recon::ReconStatus status = reconstructor.reconstruct(cloud, mesh);
-  if (status == recon::ReconStatus::OutOfMemory || status == recon::ReconStatus::Failed)
-    log(LogPriority::Warning, "reconstruction failed",
-        {{"why", recon::toString(status)}, {"points", cloud.points.size()}});
+  logReconstruction(status, cloud.points.size(), reconstructor.lastChange());
   if (status != recon::ReconStatus::Ok) return false;
   metrics.reconstruct.add(watch.elapsedMs() + std::exchange(metrics.pictures_ms, 0));
   ++metrics.surfaces;
@@ -23,7 +22,10 @@ void takeFinalMap(const slam::SlamSystem& slam, recon::Reconstructor* reconstruc
                   ReplayResult& result) {
   RunMetrics& metrics = result.record.metrics();
   slam.copyMainCloud(result.cloud);
-  if (reconstructor != nullptr) reconstruct(*reconstructor, result.cloud, result.surface, metrics);
+  if (reconstructor != nullptr) {
+    reconstruct(*reconstructor, result.cloud, result.surface, metrics);
+    if (countedAllocations()) metrics.reconstruct_peak_bytes = reconstructor->memory().peak_bytes;
+  }
   // A surface of another map is not in the trajectory's frame.
   if (result.surface.map_id != result.cloud.map_id) result.surface.clear();
   metrics.surface_triangles = result.surface.triangles.size();

@@ -77,6 +77,7 @@ void writeLiveTrajectory(const std::filesystem::path& path, const std::vector<Po
 }
 
 void writeMetrics(const std::filesystem::path& path, const RunMetrics& m) {
+  constexpr double kMb = 1024.0 * 1024.0;
   Json json{{"frames", m.frames},
             {"dropped_frames", m.dropped_frames},
             {"tracked_frames", m.tracked_frames},
@@ -89,10 +90,13 @@ void writeMetrics(const std::filesystem::path& path, const RunMetrics& m) {
             {"map_points", m.slam.map_points},
             {"surfaces", m.surfaces},
             {"surface_triangles", m.surface_triangles},
-            {"map_mb", static_cast<double>(m.slam.map_bytes) / (1024.0 * 1024.0)},
+            {"map_mb", static_cast<double>(m.slam.map_bytes) / kMb},
             {"peak_rss_mb", peakResidentMb()}};
   json["steady_state_allocations"] =
       m.steady_state_allocations ? Json(*m.steady_state_allocations) : Json(nullptr);
+  json["reconstruct_peak_mb"] = m.reconstruct_peak_bytes
+                                    ? Json(static_cast<double>(*m.reconstruct_peak_bytes) / kMb)
+                                    : Json(nullptr);
   json["extract_ms"] = stageJson(m.extract);
   json["track_ms"] = stageJson(m.track);
   json["map_ms"] = stageJson(m.map);

@@ -22,6 +22,7 @@ struct RunMetrics {
   double pictures_ms = 0;  // spent on keyframes' pictures since the last surface
   slam::SlamStatistics slam;
   std::optional<std::uint64_t> steady_state_allocations;
+  std::optional<std::int64_t> reconstruct_peak_bytes;  // of the heap, held by reconstruction
   Histogram extract, track, map, reconstruct, composite;
 };
 

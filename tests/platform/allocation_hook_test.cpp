@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "types/allocation_scope.hpp"
+#include "types/memory_meter.hpp"
 
 namespace depthscope::platform {
 namespace {
@@ -70,6 +71,31 @@ TEST_F(AllocationHook, ScopesAreOfOneThread) {
               other.join();
             }),
             0u);
+}
+
+TEST_F(AllocationHook, MetersWhatWorkHoldsAndItsPeak) {
+  MemoryMeter meter;
+  void* kept = nullptr;
+  {
+    const MemoryScope scope(meter);
+    kept = std::malloc(1000);
+    touch(kept);
+    std::vector<char> passing(100000);
+    touch(passing.data());
+    kept = std::realloc(kept, 5000);
+    touch(kept);
+  }
+  EXPECT_GE(meter.held_bytes, 5000);
+  EXPECT_LT(meter.held_bytes, 6000);
+  EXPECT_GE(meter.peak_bytes, 105000);
+  EXPECT_LT(meter.peak_bytes, 110000);
+  std::vector<char> outside(100000);
+  touch(outside.data());
+  {
+    const MemoryScope scope(meter);
+    std::free(kept);
+  }
+  EXPECT_EQ(meter.held_bytes, 0);
 }
 
 }  // namespace

@@ -1,6 +1,10 @@
 #include "recon/dense/dense_reconstructor.hpp"
 
 #include <gmock/gmock.h>
+#include <pthread.h>
+
+#include <ctime>
+#include <thread>
 
 #include "rendered_keyframes.hpp"
 
@@ -138,6 +142,49 @@ TEST(DenseReconstructor, NeedsPicturesAndStopsWhenAsked) {
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, source.get_token()),
             ReconStatus::Cancelled);
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
+}
+
+double cpuMs(clockid_t clock) {
+  timespec t{};
+  ::clock_gettime(clock, &t);
+  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+}
+
+/// However far it has come, what is cancelled stops at once: in the reconstruction's own processor
+/// time, which other load on the machine does not stretch.
+TEST(DenseReconstructor, StopsWithinFiftyMillisecondsWhereverItIs) {
+#ifdef DEPTHSCOPE_SANITIZED
+  constexpr double kSlower = 20;
+#else
+  constexpr double kSlower = 1;
+#endif
+  const RenderedKeyframes scene = renderKeyframes(hill, 8);
+  clockid_t clock{};
+  ASSERT_EQ(::pthread_getcpuclockid(::pthread_self(), &clock), 0);
+  int cancelled = 0;
+  for (double after_ms = 2;; after_ms *= 1.4) {
+    DenseReconstructor reconstructor(scene.camera, {});
+    for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+    std::stop_source source;
+    const double start = cpuMs(clock);
+    double asked = 0;
+    std::jthread stopper([&](const std::stop_token& done) {
+      while (!done.stop_requested() && cpuMs(clock) < start + after_ms) std::this_thread::yield();
+      asked = cpuMs(clock);
+      source.request_stop();
+    });
+    SurfaceMesh mesh;
+    const ReconStatus status =
+        reconstructor.reconstruct(scene.cloud, kTriangles, mesh, source.get_token());
+    const double stopped = cpuMs(clock);
+    stopper.request_stop();
+    stopper.join();
+    if (status == ReconStatus::Ok) break;
+    EXPECT_EQ(status, ReconStatus::Cancelled);
+    EXPECT_LT(stopped - asked, 50 * kSlower) << "cancelled after " << after_ms << " ms";
+    ++cancelled;
+  }
+  EXPECT_GT(cancelled, 5);
 }
 
 }  // namespace

@@ -162,6 +162,28 @@ TEST(Reconstructor, SurvivesAPointImmenselyFarAway) {
   for (const auto& p : reconstructed(cloud).vertices) ASSERT_LT(p.norm(), 3.f);
 }
 
+TEST(Reconstructor, SaysByHowMuchTheSurfaceMoved) {
+  SparseCloud cloud = heightCloud(flat, 20, 0.01f);
+  for (std::uint32_t p = 0; p < cloud.points.size(); ++p) cloud.sightings.push_back({p, 0});
+  cloud.keyframe_frames = {0};
+  cloud.keyframes_T_camera_world.resize(1);
+  cloud.keyframes_T_camera_world[0].R = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  cloud.keyframes_T_camera_world[0].t = {0, 0, 4};  // looks down from z = 4
+  Reconstructor reconstructor({}, sparseSettings());
+  SurfaceMesh mesh;
+  ASSERT_EQ(reconstructor.reconstruct(cloud, mesh), ReconStatus::Ok);
+  EXPECT_EQ(reconstructor.lastChange().largest, 0);  // the first
+  ASSERT_EQ(reconstructor.reconstruct(cloud, mesh), ReconStatus::Ok);
+  EXPECT_EQ(reconstructor.lastChange().largest, 0);
+  for (SparsePoint& p : cloud.points) p.position.z() += 0.2f;  // 5 % of the distance
+  ASSERT_EQ(reconstructor.reconstruct(cloud, mesh), ReconStatus::Ok);
+  EXPECT_NEAR(reconstructor.lastChange().largest, 0.05f, 0.01f);
+  EXPECT_GT(reconstructor.lastChange().share_beyond, 0.9f);
+  ++cloud.map_id;
+  ASSERT_EQ(reconstructor.reconstruct(cloud, mesh), ReconStatus::Ok);
+  EXPECT_EQ(reconstructor.lastChange().largest, 0);  // of another map
+}
+
 TEST(Reconstructor, StopsWhenAsked) {
   std::stop_source source;
   source.request_stop();

@@ -14,8 +14,8 @@
 #include "platform/display/display.hpp"
 #include "platform/ipc/surface_mailbox.hpp"
 #include "platform/peak_memory.hpp"
-#include "platform/ply_writer.hpp"
 #include "platform/png_writer.hpp"
+#include "platform/surface_writer.hpp"
 #include "platform/utf8.hpp"
 #include "types/error.hpp"
 
@@ -92,7 +92,7 @@ std::string ControlRequests::handle(std::string_view line, UniqueFd attached) {
   if (verb == "label-at") return labelAt(rest);
   if (verb == "overlay") return overlay(rest);
   if (verb == "snapshot") return snapshot();
-  if (verb == "export") return exportSurface(std::move(attached));
+  if (verb == "export") return exportSurface(rest, std::move(attached));
   return "error unknown request";
 }
 
@@ -158,7 +158,9 @@ std::string ControlRequests::snapshot() {
   }
 }
 
-std::string ControlRequests::exportSurface(UniqueFd file) const {
+std::string ControlRequests::exportSurface(std::string_view format, UniqueFd file) const {
+  const auto known = surfaceFormat(format);
+  if (!known) return "error expected ply, obj or stl";
   struct stat info {};
   // Only a regular file is sure not to hold the service up.
   if (!file.valid() || ::fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode))
@@ -167,9 +169,9 @@ std::string ControlRequests::exportSurface(UniqueFd file) const {
   SurfaceMailboxReader reader(memory_);
   if (reader.takeNewest(mesh) != SurfaceMailboxReader::Result::Taken || mesh.empty())
     return "error there is no surface yet";
-  std::ostringstream ply;
-  writePly(ply, mesh);
-  if (!writeAll(file.get(), ply.view())) return "error the file cannot be written";
+  std::ostringstream text;
+  writeSurface(text, mesh, *known);
+  if (!writeAll(file.get(), text.view())) return "error the file cannot be written";
   return "ok " + std::to_string(mesh.triangles.size()) + " triangles";
 }
 

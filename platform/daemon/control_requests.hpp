@@ -31,7 +31,7 @@ class ControlRequests {
   std::string labelAt(std::string_view rest);
   std::string overlay(std::string_view mode);
   std::string snapshot();
-  std::string exportSurface(UniqueFd file) const;
+  std::string exportSurface(std::string_view format, UniqueFd file) const;
 
   Settings& settings_;  // the overlay's are changed on request
   CameraModel camera_;

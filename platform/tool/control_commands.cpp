@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "platform/config/settings.hpp"
+#include "platform/surface_writer.hpp"
 #include "platform/tool/control_client.hpp"
 #include "platform/unique_fd.hpp"
 #include "types/error.hpp"
@@ -97,10 +98,16 @@ int snapshotCommand(Arguments arguments) {
 }
 
 int exportCommand(Arguments arguments) {
-  if (helpWanted(arguments, "export FILE", "Saves the newest surface as PLY.")) return 0;
+  if (helpWanted(arguments, "export FILE",
+                 "Saves the newest surface as PLY, OBJ or STL, by the end of the file's name."))
+    return 0;
   const std::string socket = socketOption(arguments);
   const std::filesystem::path file = arguments.positional("a file name");
   arguments.finish();
+  const std::string extension = file.extension().string();
+  const std::string format = extension.empty() ? "" : extension.substr(1);
+  if (!surfaceFormat(format))
+    throw InputError(file.string() + ": expected a name that ends in .ply, .obj or .stl");
   // The file is opened here, with the user's rights, and handed over; a daemon that refuses leaves
   // nothing.
   std::filesystem::path partial = file;
@@ -110,7 +117,7 @@ int exportCommand(Arguments arguments) {
     throw InputError(file.string() +
                      ": cannot be written: " + std::generic_category().message(errno));
   try {
-    const std::string answer = controlRequest(socket, "export", fd.get());
+    const std::string answer = controlRequest(socket, "export " + format, fd.get());
     std::filesystem::rename(partial, file);
     return printAnswer(answer);
   } catch (...) {

@@ -37,7 +37,7 @@ constexpr Command commands[] = {
      "how depth is shown: off, chromadepth or mesh; toggle: off and back"},
     {"label", labelCommand, "fix a text to the tissue in the picture's middle, or at --at X,Y"},
     {"snapshot", snapshotCommand, "save the picture as it is shown"},
-    {"export", exportCommand, "save the newest surface as PLY"},
+    {"export", exportCommand, "save the newest surface as PLY, OBJ or STL"},
     {"reset", resetCommand, "forget map, surface and labels and start over"},
 };
 

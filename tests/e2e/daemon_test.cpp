@@ -179,6 +179,10 @@ TEST_F(DaemonRun, AnswersOnTheControlSocket) {
   EXPECT_EQ(none.status, 1);
   EXPECT_THAT(none.err, HasSubstr("no surface yet"));
   EXPECT_FALSE(fs::exists(folder_.path() / "a.ply"));
+  const ProgramResult unknown =
+      runProgram({"depthscope", "export", folder_.path() / "a.txt", "--socket", socket_});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("a.txt"));
   EXPECT_EQ(ask("overlay mesh"), "");
   EXPECT_THROW(ask("overlay rainbow"), std::runtime_error);
   EXPECT_EQ(ask("reconstruct"), "");

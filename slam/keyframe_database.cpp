@@ -1,11 +1,18 @@
 #include "slam/keyframe_database.hpp"
 
 #include <algorithm>
+#include <string>
+
+#include "types/error.hpp"
 
 namespace depthscope::slam {
 
 KeyframeDatabase::KeyframeDatabase(const SlamSettings& settings, Vocabulary vocabulary)
     : vocabulary_(std::move(vocabulary)), features_(settings.extractor.features) {
+  if (vocabulary_.words() > settings.capacity.vocabulary_words)
+    throw InputError("slam.capacity.vocabulary_words: there is room for " +
+                     std::to_string(settings.capacity.vocabulary_words) +
+                     ", expected at least the vocabulary's " + std::to_string(vocabulary_.words()));
   const std::size_t keyframes = settings.capacity.keyframes;
   postings_.resize(keyframes * features_);
   heads_.resize(vocabulary_.words(), kNone);

@@ -31,6 +31,7 @@ struct PlaceQuery {
 /// not be taken out: it is recognised by its serial and never reported.
 class KeyframeDatabase {
  public:
+  /// Throws InputError when the vocabulary has more words than the settings have room for.
   KeyframeDatabase(const SlamSettings& settings, Vocabulary vocabulary);
 
   /// Takes a keyframe of the map in; what was known of its slot's former owner is forgotten.

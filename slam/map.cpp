@@ -296,14 +296,17 @@ int Map::mapCount() const {
   return count;
 }
 
-std::size_t Map::bytes() const {
-  std::size_t bytes = points_.capacity() * sizeof(MapPoint) +
-                      observations_.capacity() * sizeof(Observation) +
-                      free_points_.capacity() * sizeof(PointId);
+std::size_t Map::keyframeBytes() const {
+  std::size_t bytes = 0;
   for (const Keyframe& k : keyframes_)
     bytes += sizeof k + k.features.keypoints.capacity() *
                             (2 * sizeof(Keypoint) + sizeof(Descriptor) + sizeof(PointId));
   return bytes;
+}
+
+std::size_t Map::pointBytes() const {
+  return points_.capacity() * sizeof(MapPoint) + observations_.capacity() * sizeof(Observation) +
+         free_points_.capacity() * sizeof(PointId);
 }
 
 }  // namespace depthscope::slam

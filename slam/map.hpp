@@ -148,7 +148,8 @@ class Map {
   int levels() const { return static_cast<int>(scales_.size()); }
   /// Pyramid level at which a point is expected at `distance`, given its `max_distance`.
   int predictLevel(double max_distance, double distance) const;
-  std::size_t bytes() const;
+  std::size_t keyframeBytes() const;
+  std::size_t pointBytes() const;
 
  private:
   void dropObservation(PointId point, KeyframeId keyframe);

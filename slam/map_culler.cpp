@@ -10,6 +10,10 @@ constexpr double kMinFoundShare = 0.25;  // of the frames in which a point was p
 constexpr int kMinObservations = 3;      // after two more keyframes
 constexpr int kMinKeyframes = 3;         // a map is not culled below
 constexpr int kOtherObservers = 3;       // that make an observation redundant
+// What age and distance weigh against the share of points that only a keyframe sees: they decide
+// between keyframes that are about as redundant. Old tissue may have changed since; what is far
+// from the scope is needed later, if ever.
+constexpr double kAgeWeight = 0.1, kDistanceWeight = 0.1;
 }  // namespace
 
 MapCuller::MapCuller(const SlamSettings& settings, Map& map, Trajectory& trajectory)
@@ -67,26 +71,50 @@ void MapCuller::cullKeyframes(std::span<const KeyframeId> candidates) {
   }
 }
 
+/// How little would be lost with a keyframe, 0..1.2: its redundancy, its age in keyframes over
+/// their number, and its distance from `newest` against the depth that one sees (another map is
+/// far).
+double MapCuller::dispensability(KeyframeId id, KeyframeId newest) {
+  const Keyframe& k = map_.keyframe(id);
+  const Keyframe& n = map_.keyframe(newest);
+  const double age = std::min(
+      1.0, static_cast<double>(n.serial - k.serial) / static_cast<double>(map_.keyframeCapacity()));
+  const double depth = map_.medianDepth(newest);
+  const double apart = (k.T_camera_world.inverse().t - n.T_camera_world.inverse().t).norm();
+  const double distance = k.map_id != n.map_id || !(depth > 0) ? 1 : apart / (apart + depth);
+  return redundancy(id) + kAgeWeight * age + kDistanceWeight * distance;
+}
+
+KeyframeId MapCuller::newest() const {
+  KeyframeId newest = kNone;
+  for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k)
+    if (map_.keyframe(k).alive &&
+        (newest == kNone || map_.keyframe(k).serial > map_.keyframe(newest).serial))
+      newest = k;
+  return newest;
+}
+
+KeyframeId MapCuller::leastUseful() {
+  const KeyframeId last = newest();
+  KeyframeId least = kNone;
+  double most = -1;
+  for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k) {
+    if (!map_.keyframe(k).alive || k == last) continue;
+    const double d = dispensability(k, last);
+    if (d < most || (d == most && map_.keyframe(k).serial > map_.keyframe(least).serial)) continue;
+    most = d;
+    least = k;
+  }
+  return least;
+}
+
 void MapCuller::makeRoom(int slots) {
   const std::lock_guard lock(map_.mutex);
   const auto crowded = [&] {
     return map_.freeKeyframes() < slots ||
            map_.pointCapacity() - map_.pointCount() < points_needed_;
   };
-  while (map_.keyframeCount() > kMinKeyframes && crowded()) {
-    KeyframeId least = kNone;
-    double most_redundant = -1;
-    for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k) {
-      if (!map_.keyframe(k).alive) continue;
-      const double r = redundancy(k);
-      if (r < most_redundant ||
-          (r == most_redundant && map_.keyframe(k).serial > map_.keyframe(least).serial))
-        continue;
-      most_redundant = r;
-      least = k;
-    }
-    remove(least);
-  }
+  while (map_.keyframeCount() > kMinKeyframes && crowded()) remove(leastUseful());
 }
 
 void MapCuller::remove(KeyframeId id) {

@@ -19,12 +19,15 @@ class MapCuller {
   /// Removes those of `candidates` nearly all of whose points at least three others see as well or
   /// better.
   void cullKeyframes(std::span<const KeyframeId> candidates);
-  /// Frees `slots` keyframe slots, and enough point slots, by dropping the most redundant
-  /// keyframes, the oldest first among equals.
+  /// Frees `slots` keyframe slots, and enough point slots, by dropping the least useful keyframes:
+  /// redundant, old, far from the newest. Points that nobody else sees go with them.
   void makeRoom(int slots);
 
  private:
   double redundancy(KeyframeId id) const;
+  double dispensability(KeyframeId id, KeyframeId newest);
+  KeyframeId newest() const;
+  KeyframeId leastUseful();
   void remove(KeyframeId id);
   /// Who takes over the frames that hang on `id`; kNone when no other keyframe is in its map.
   KeyframeId heirOf(KeyframeId id);

@@ -6,8 +6,8 @@
 namespace depthscope::slam {
 
 namespace {
-// These bound the time spent on one lost frame; ranks beyond are no likelier than chance.
-constexpr std::size_t kKeyframesPerFrame = 2, kRanks = 12;
+// Bounds the time spent on one lost frame: a keyframe takes about 2 ms.
+constexpr std::size_t kKeyframesPerFrame = 8;
 constexpr int kMaxMatches = 150;  // about so many, the nearest in descriptor; few of them are wrong
 constexpr int kMinMatches = 15;
 // Patches of tissue look much alike: over a whole picture the nearest descriptor is seldom clearly
@@ -43,9 +43,8 @@ Relocalizer::Relocalizer(const SlamSettings& settings, const CameraModel& camera
 bool Relocalizer::relocalize(const Map& map, const FeatureSet& features, Pose& T_camera_world,
                              std::span<PointRef> points) {
   const auto places = database_.find(map, features.descriptors, query_);
-  const std::size_t ranks = std::min(places.size(), kRanks);
-  for (std::size_t i = 0; i < std::min(ranks, kKeyframesPerFrame); ++i) {
-    if (next_ >= ranks) next_ = 0;
+  for (std::size_t i = 0; i < std::min(places.size(), kKeyframesPerFrame); ++i) {
+    if (next_ >= places.size()) next_ = 0;
     const Keyframe& keyframe = map.keyframe(places[next_++].keyframe);
     if (tryKeyframe(map, keyframe, features, T_camera_world, points)) return true;
   }

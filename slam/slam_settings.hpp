@@ -32,8 +32,9 @@ struct ExtractorSettings {
 struct CapacitySettings {
   int keyframes = 256;
   int map_points = 24000;
-  int observations_per_point = 48;  // keyframes that may observe one point
+  int observations_per_point = 48;  // keyframes that may observe one point, 64 at most
   int local_points = 6000;          // points the tracker looks for in one frame
+  int vocabulary_words = 16384;     // the built-in vocabulary has about 10000
 };
 
 /// Descriptor matching (slam/matcher). Hamming distances are out of 256 bits, radii at level 0.
@@ -80,7 +81,10 @@ struct TrackerSettings {
   // The same of all points expected in the picture, or of its features where they are fewer: 3 to
   // 8 % by chance, mostly above 10 % where the pose is right.
   double min_found = 0.05;
-  double new_map_after_s = 1.0;  // lost for this long, a new map is begun if one can be
+  // Lost for this long, a new map is begun if one can be, while the old ones are looked for all the
+  // same. Time for every keyframe to have its turn in relocalization: of 120 at 30 pictures a
+  // second.
+  double new_map_after_s = 0.5;
   int local_keyframes = 40;      // that a frame's local map is made from
   // Of the points of the last frame found by descriptor: fewer, and optical flow carries the
   // others, each step with an error of its own [px of the feature's level]. Without it 82 % of the

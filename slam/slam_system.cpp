@@ -74,8 +74,12 @@ SlamStatistics SlamSystem::statistics() const {
   s.lost_events = impl_->tracker.lostEvents();
   s.relocalizations = impl_->tracker.relocalizations();
   s.loops_closed = impl_->mapper.loopsClosed();
-  s.map_bytes = impl_->map.bytes() + impl_->database.bytes() + impl_->mapper.bytes();
   return s;
+}
+
+SlamMemory SlamSystem::memory() const {
+  return {impl_->map.keyframeBytes(), impl_->map.pointBytes(), impl_->database.bytes(),
+          impl_->mapper.bytes()};
 }
 
 void SlamSystem::copyCloud(SparseCloud& out) const {

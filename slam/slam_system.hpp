@@ -32,7 +32,15 @@ struct SlamStatistics {
   int lost_events = 0;
   int relocalizations = 0;
   int loops_closed = 0;
-  std::size_t map_bytes = 0;  // memory allocated at start for the map and its workspaces
+};
+
+/// Bytes set aside at start, by what takes them; they never grow.
+struct SlamMemory {
+  std::size_t keyframes = 0;   // with their features
+  std::size_t points = 0;      // with their observations
+  std::size_t places = 0;      // vocabulary and inverted index
+  std::size_t adjustment = 0;  // workspaces of bundle adjustment and loop closing
+  std::size_t total() const { return keyframes + points + places + adjustment; }
 };
 
 struct StampedPose {
@@ -62,6 +70,7 @@ class SlamSystem {
 
   StageTimes lastTimes() const;
   SlamStatistics statistics() const;
+  SlamMemory memory() const;
   /// Copies points, keyframe poses and who saw what of the active map into `out`, whose capacity is
   /// reused.
   void copyCloud(SparseCloud& out) const;

@@ -4,10 +4,25 @@
 
 namespace depthscope::slam {
 
+void Trajectory::Record::set(const Pose& T_camera_reference) {
+  q_camera_reference = T_camera_reference.quaternion().cast<float>();
+  t_camera_reference = T_camera_reference.t.cast<float>();
+}
+
+Pose Trajectory::Record::now(const Map& map) const {
+  return {q_camera_reference.cast<double>().normalized().toRotationMatrix(),
+          t_camera_reference.cast<double>() * (map.keyframe(reference).unit / unit)};
+}
+
 void Trajectory::add(std::int64_t frame, double timestamp_s, KeyframeId reference,
                      const Pose& T_camera_reference, double unit) {
   if (records_.empty()) return;
-  records_[next_] = {frame, timestamp_s, reference, T_camera_reference, unit};
+  Record& r = records_[next_];
+  r.frame = frame;
+  r.timestamp_s = timestamp_s;
+  r.reference = reference;
+  r.unit = static_cast<float>(unit);
+  r.set(T_camera_reference);
   next_ = (next_ + 1) % records_.size();
   count_ = std::min(count_ + 1, records_.size());
 }
@@ -17,9 +32,9 @@ void Trajectory::rebase(const Map& map, KeyframeId from, KeyframeId to) {
       map.keyframe(from).T_camera_world * map.keyframe(to).T_camera_world.inverse();
   for (std::size_t i = 0; i < count_; ++i) {
     if (records_[i].reference != from) continue;
-    records_[i].T_camera_reference = records_[i].T_camera_reference_now(map) * T_from_to;
+    records_[i].set(records_[i].now(map) * T_from_to);
     records_[i].reference = to;
-    records_[i].unit = map.keyframe(to).unit;
+    records_[i].unit = static_cast<float>(map.keyframe(to).unit);
   }
 }
 
@@ -56,8 +71,7 @@ std::vector<StampedPose> Trajectory::corrected(const Map& map, std::uint32_t map
   for (std::size_t i = 0; i < count_; ++i) {
     const Record& r = records_[(oldest + i) % records_.size()];
     if (r.reference == kNone || map.keyframe(r.reference).map_id != map_id) continue;
-    const Pose T_camera_world =
-        r.T_camera_reference_now(map) * map.keyframe(r.reference).T_camera_world;
+    const Pose T_camera_world = r.now(map) * map.keyframe(r.reference).T_camera_world;
     poses.push_back({r.frame, r.timestamp_s, T_camera_world.inverse()});
   }
   return poses;

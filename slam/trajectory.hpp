@@ -30,17 +30,19 @@ class Trajectory {
   std::vector<StampedPose> corrected(const Map& map, std::uint32_t map_id) const;
 
  private:
+  /// One frame, packed: a day of them is kept. Relative to a keyframe nearby single precision is a
+  /// hundred times finer than any pose is known.
   struct Record {
     std::int64_t frame;
     double timestamp_s;
     KeyframeId reference;  // kNone: dropped
-    Pose T_camera_reference;
-    double unit;  // Keyframe::unit of the reference when this was recorded
+    float unit;            // Keyframe::unit of the reference when this was recorded
+    Eigen::Quaternion<float, Eigen::DontAlign> q_camera_reference;
+    Eigen::Vector3f t_camera_reference;
 
-    /// In the unit of length of now.
-    Pose T_camera_reference_now(const Map& map) const {
-      return {T_camera_reference.R, T_camera_reference.t * (map.keyframe(reference).unit / unit)};
-    }
+    void set(const Pose& T_camera_reference);
+    /// T_camera_reference in the unit of length of now.
+    Pose now(const Map& map) const;
   };
   std::vector<Record> records_;
   std::size_t count_ = 0, next_ = 0;

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "kernel/system_calls.hpp"
+#include "platform/ar/capacity_text.hpp"
 #include "platform/log.hpp"
 #include "types/error.hpp"
 
@@ -37,6 +38,12 @@ ArProcess::ArProcess(ArOptions options)
       picture_(static_cast<std::size_t>(options_.camera.width) *
                static_cast<std::size_t>(options_.camera.height)) {
   reserve(surface_, memory_.capacity());
+  const slam::SlamMemory memory = live_.slam().memory();
+  status_.keyframe_capacity = options_.settings.slam.capacity.keyframes;
+  status_.map_point_capacity = options_.settings.slam.capacity.map_points;
+  status_.slam_bytes = static_cast<std::int64_t>(memory.total());
+  log(LogPriority::Info, "memory of SLAM set aside",
+      {{"capacity", capacityText(options_.settings.slam, memory)}});
 }
 
 void ArProcess::run() {

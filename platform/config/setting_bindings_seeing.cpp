@@ -69,9 +69,11 @@ void bindSlam(SettingBinder& b, slam::SlamSettings& s) {
   b.section("slam.capacity");
   b.number("keyframes", s.capacity.keyframes, 16, 4096, "keyframes the map has room for");
   b.number("map_points", s.capacity.map_points, 1000, 500000, "points the map has room for");
-  b.number("observations_per_point", s.capacity.observations_per_point, 4, 256,
+  b.number("observations_per_point", s.capacity.observations_per_point, 4, 64,
            "keyframes that may observe one point");
   b.number("local_points", s.capacity.local_points, 500, 100000, "points looked for in one frame");
+  b.number("vocabulary_words", s.capacity.vocabulary_words, 1, 1000000,
+           "words a vocabulary may have");
 
   b.section("slam.matching");
   b.number("search_region", s.matching.search_region, 0.1, 10, "factor on all search radii");

@@ -219,6 +219,9 @@ std::string ControlRequests::status() const {
   if (ar_.alive() && memory_.block().status.read(ar) && plausible(ar)) {
     json["keyframes"] = ar.keyframes;
     json["map_points"] = ar.map_points;
+    json["keyframe_capacity"] = ar.keyframe_capacity;
+    json["map_point_capacity"] = ar.map_point_capacity;
+    json["slam_mb"] = static_cast<double>(ar.slam_bytes) / (1024.0 * 1024.0);
     json["maps"] = ar.maps;
     json["lost_events"] = ar.lost_events;
     json["relocalizations"] = ar.relocalizations;

@@ -51,6 +51,8 @@ struct WireArStatus {
   std::int32_t keyframes, map_points, maps, lost_events, relocalizations, loops_closed;
   std::int64_t tracked_frames, dropped_frames, surfaces;
   double track_p50_ms, track_p95_ms, reconstruct_p50_ms;
+  std::int32_t keyframe_capacity, map_point_capacity;
+  std::int64_t slam_bytes;  // that these and their workspaces take, set aside at start
 };
 
 /// What the video process tells the AR process.

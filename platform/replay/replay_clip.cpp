@@ -52,7 +52,7 @@ capture::Frame nextFrame(const ReplayOptions& options, ReplayClip& clip) {
   }
 }
 
-void requireComplete(const ReplayOptions& options, const ReplayClip& clip, std::int64_t frames) {
+void finishClip(const ReplayOptions& options, ReplayClip& clip, std::int64_t frames) {
   const std::string damage = clip.source->damage();
   if (frames < clip.frames)
     throw InputError(
@@ -60,6 +60,7 @@ void requireComplete(const ReplayOptions& options, const ReplayClip& clip, std::
                              " of " + std::to_string(clip.frames) + " frames, expected a whole clip"
                        : damage + ", expected a whole clip");
   if (!damage.empty()) log(LogPriority::Warning, "the clip is damaged", {{"what", damage}});
+  clip.source.reset();
 }
 
 }  // namespace depthscope::platform

@@ -33,8 +33,11 @@ slam::SlamSettings slamSettings(const ReplayOptions& options, const ReplayClip& 
 capture::Frame nextFrame(const ReplayOptions& options, ReplayClip& clip);
 
 /// At the clip's end: throws InputError when fewer pictures came than its file announced, and warns
-/// when some were damaged.
-void requireComplete(const ReplayOptions& options, const ReplayClip& clip, std::int64_t frames);
+/// when some were damaged. Closes the clip, whose memory is wanted for the results.
+void finishClip(const ReplayOptions& options, ReplayClip& clip, std::int64_t frames);
+
+/// Says what SLAM has room for, on standard output.
+void printCapacity(const ReplayOptions& options, const slam::SlamSystem& slam);
 
 /// What a replay leaves besides the video. Cloud, surface and trajectory are of the main map.
 struct ReplayResult {

@@ -26,6 +26,7 @@ class LockstepReplay {
   }
 
   ReplayResult run() {
+    printCapacity(options_, slam_);
     std::int64_t frames = 0;
     for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty();
          frame = nextFrame(options_, clip_)) {
@@ -35,7 +36,7 @@ class LockstepReplay {
       show(frame, estimate);
       ++frames;
     }
-    requireComplete(options_, clip_, frames);
+    finishClip(options_, clip_, frames);
     return finish(frames);
   }
 

@@ -19,6 +19,7 @@ class RealtimeReplay {
                   options.surface ? &options.settings.recon : nullptr, clip.frameCapacity()) {}
 
   ReplayResult run() {
+    printCapacity(options_, tracking_.live().slam());
     std::int64_t frames = 0;
     for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty();
          frame = nextFrame(options_, clip_)) {
@@ -26,7 +27,7 @@ class RealtimeReplay {
       offer(frame);
       if (recorder_ != nullptr) show(frame);
     }
-    requireComplete(options_, clip_, frames);
+    finishClip(options_, clip_, frames);
     return finish(frames);
   }
 

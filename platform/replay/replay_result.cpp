@@ -1,11 +1,17 @@
+#include <cstdio>
 #include <utility>
 
 #include "platform/allocation_hook.hpp"
+#include "platform/ar/capacity_text.hpp"
 #include "platform/ar/surface_log.hpp"
 #include "platform/replay/replay_clip.hpp"
 #include "platform/stopwatch.hpp"
 
 namespace depthscope::platform {
+
+void printCapacity(const ReplayOptions& options, const slam::SlamSystem& slam) {
+  std::printf("room for %s\n", capacityText(options.settings.slam, slam.memory()).c_str());
+}
 
 bool reconstruct(recon::Reconstructor& reconstructor, const SparseCloud& cloud, SurfaceMesh& mesh,
                  RunMetrics& metrics) {
@@ -30,6 +36,7 @@ void takeFinalMap(const slam::SlamSystem& slam, recon::Reconstructor* reconstruc
   if (result.surface.map_id != result.cloud.map_id) result.surface.clear();
   metrics.surface_triangles = result.surface.triangles.size();
   metrics.slam = slam.statistics();
+  metrics.slam_memory = slam.memory();
   result.trajectory = slam.correctedTrajectory();
 }
 

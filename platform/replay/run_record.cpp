@@ -23,10 +23,9 @@ Json stageJson(const Histogram& h) {
 }
 
 /// One line of TUM format; fixed digits, so that equal poses give equal bytes.
-void writePose(std::ofstream& out, double timestamp_s, const Pose& T_world_camera) {
-  Eigen::Quaterniond q = T_world_camera.quaternion();
+void writePose(std::ofstream& out, double timestamp_s, Eigen::Quaterniond q,
+               const Eigen::Vector3d& t) {
   if (q.w() < 0) q.coeffs() = -q.coeffs();
-  const Eigen::Vector3d& t = T_world_camera.t;
   char line[256];
   std::snprintf(line, sizeof line, "%.6f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", timestamp_s, t.x(),
                 t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
@@ -50,7 +49,9 @@ void RunRecord::add(const PoseEstimate& estimate, const slam::StageTimes& times)
     allocations_when_warm_ = countedAllocations();
   }
   ++metrics_.tracked_frames;
-  live_.push_back(estimate);
+  const Pose T_world_camera = estimate.T_camera_world.inverse();
+  live_.push_back(
+      {estimate.timestamp_s, estimate.map_id, T_world_camera.quaternion(), T_world_camera.t});
 }
 
 void RunRecord::close() {
@@ -63,16 +64,17 @@ void RunRecord::close() {
 void writeTrajectory(const std::filesystem::path& path,
                      const std::vector<slam::StampedPose>& poses) {
   std::ofstream out(path);
-  for (const slam::StampedPose& pose : poses) writePose(out, pose.timestamp_s, pose.T_world_camera);
+  for (const slam::StampedPose& pose : poses)
+    writePose(out, pose.timestamp_s, pose.T_world_camera.quaternion(), pose.T_world_camera.t);
   closeChecked(out, path);
 }
 
-void writeLiveTrajectory(const std::filesystem::path& path, const std::vector<PoseEstimate>& live,
+void writeLiveTrajectory(const std::filesystem::path& path, const std::vector<LivePose>& live,
                          std::uint32_t map_id) {
   std::ofstream out(path);
-  for (const PoseEstimate& estimate : live)
-    if (estimate.map_id == map_id)
-      writePose(out, estimate.timestamp_s, estimate.T_camera_world.inverse());
+  for (const LivePose& pose : live)
+    if (pose.map_id == map_id)
+      writePose(out, pose.timestamp_s, pose.q_world_camera, pose.t_world_camera);
   closeChecked(out, path);
 }
 
@@ -90,7 +92,7 @@ void writeMetrics(const std::filesystem::path& path, const RunMetrics& m) {
             {"map_points", m.slam.map_points},
             {"surfaces", m.surfaces},
             {"surface_triangles", m.surface_triangles},
-            {"map_mb", static_cast<double>(m.slam.map_bytes) / kMb},
+            {"map_mb", static_cast<double>(m.slam_memory.total()) / kMb},
             {"peak_rss_mb", peakResidentMb()}};
   json["steady_state_allocations"] =
       m.steady_state_allocations ? Json(*m.steady_state_allocations) : Json(nullptr);

@@ -19,11 +19,20 @@ struct RunMetrics {
   std::int64_t first_tracked_frame = -1;
   std::size_t surface_triangles = 0;
   std::int64_t surfaces = 0;  // reconstructed
-  double pictures_ms = 0;  // spent on keyframes' pictures since the last surface
+  double pictures_ms = 0;     // spent on keyframes' pictures since the last surface
   slam::SlamStatistics slam;
+  slam::SlamMemory slam_memory;
   std::optional<std::uint64_t> steady_state_allocations;
   std::optional<std::int64_t> reconstruct_peak_bytes;  // of the heap, held by reconstruction
   Histogram extract, track, map, reconstruct, composite;
+};
+
+/// A pose as it was given out.
+struct LivePose {
+  double timestamp_s = 0;
+  std::uint32_t map_id = 0;
+  Eigen::Quaternion<double, Eigen::DontAlign> q_world_camera;
+  Eigen::Vector3d t_world_camera;
 };
 
 /// Follows tracking frame by frame: counts, times, live poses, and the allocations made by tracking
@@ -43,11 +52,11 @@ class RunRecord {
   RunMetrics& metrics() { return metrics_; }
   const RunMetrics& metrics() const { return metrics_; }
   /// Every tracked pose as it was given out, in order.
-  const std::vector<PoseEstimate>& live() const { return live_; }
+  const std::vector<LivePose>& live() const { return live_; }
 
  private:
   RunMetrics metrics_;
-  std::vector<PoseEstimate> live_;
+  std::vector<LivePose> live_;
   std::optional<std::uint64_t> allocations_when_warm_;
 };
 
@@ -55,7 +64,7 @@ class RunRecord {
 void writeTrajectory(const std::filesystem::path& path,
                      const std::vector<slam::StampedPose>& poses);
 /// The tracked poses of one map. Throws like writeTrajectory.
-void writeLiveTrajectory(const std::filesystem::path& path, const std::vector<PoseEstimate>& live,
+void writeLiveTrajectory(const std::filesystem::path& path, const std::vector<LivePose>& live,
                          std::uint32_t map_id);
 /// Throws std::runtime_error when the file cannot be written.
 void writeMetrics(const std::filesystem::path& path, const RunMetrics& metrics);

@@ -25,6 +25,7 @@ OPTIONS
   --levels N       1 to 8: of the tree; it has up to branching^levels words (default 4)
   --seed N         of the random numbers (default 1): the same input gives the same file
 
+A vocabulary of more words than slam.capacity.vocabulary_words is refused: raise that too.
 Show it what the scope will see: thousands of pictures of many patients make better words than many
 pictures of one.
 )";

@@ -47,9 +47,10 @@ TEST(RunRecord, WritesCameraToWorldInTumFormat) {
 
 TEST(RunRecord, TheLiveTrajectoryIsOfOneMapAndInverted) {
   const TemporaryFolder folder;
-  writeLiveTrajectory(
-      folder.path() / "t.txt",
-      {estimate(0, TrackingState::Tracking, 1), estimate(30, TrackingState::Tracking, 2)}, 2);
+  RunRecord record(10);
+  record.add(estimate(0, TrackingState::Tracking, 1), {});
+  record.add(estimate(30, TrackingState::Tracking, 2), {});
+  writeLiveTrajectory(folder.path() / "t.txt", record.live(), 2);
   EXPECT_EQ(readFile(folder.path() / "t.txt").substr(0, 50),
             "1.000000 -1.000000000 -2.000000000 -3.000000000 0.");
 }

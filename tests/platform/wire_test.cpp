@@ -141,6 +141,9 @@ TEST(Wire, AStatusWithImpossibleNumbersIsNotShown) {
   status = {};
   status.track_p50_ms = NAN;
   EXPECT_FALSE(plausible(status));
+  status = {};
+  status.slam_bytes = -1;
+  EXPECT_FALSE(plausible(status));
 }
 
 template <class T>

@@ -6,6 +6,7 @@
 #include "tests/slam/allocation_counter.hpp"
 #include "tests/slam/synthetic_map.hpp"
 #include "types/allocation_scope.hpp"
+#include "types/error.hpp"
 
 namespace depthscope::slam {
 namespace {
@@ -82,6 +83,15 @@ TEST(KeyframeDatabase, ForgetsAKeyframeThatLeftTheMap) {
     if (m.keyframe == reused) {
       EXPECT_LT(m.score, 0.9f);
     }
+}
+
+TEST(KeyframeDatabase, RefusesAVocabularyThatItHasNoRoomFor) {
+  SlamSettings settings = smallSettings();
+  const Vocabulary vocabulary = Vocabulary::builtIn();
+  settings.capacity.vocabulary_words = vocabulary.words();
+  EXPECT_NO_THROW(KeyframeDatabase(settings, vocabulary));
+  settings.capacity.vocabulary_words = vocabulary.words() - 1;
+  EXPECT_THROW(KeyframeDatabase(settings, vocabulary), InputError);
 }
 
 TEST(KeyframeDatabase, AllocatesNothingOnceItIsBuilt) {

@@ -199,6 +199,52 @@ TEST(SlamSystem, StaysWithinItsCapacityAndKeepsTracking) {
   EXPECT_EQ(estimates.back().state, TrackingState::Tracking);
 }
 
+TEST(SlamSystem, TracksInASmallMapThatIsFullAllTheTime) {
+  const PlaneWorld world;
+  SlamSettings settings = testSettings();
+  settings.capacity.keyframes = 16;
+  settings.capacity.map_points = 1000;
+  settings.capacity.observations_per_point = 4;
+  settings.capacity.local_points = 500;
+  SlamSystem slam(testCameraModel(), settings, MappingMode::Lockstep);
+  const std::size_t bytes = slam.memory().total();
+  int tracked = 0;
+  for (int i = 0; i < 240; ++i) {  // there, back, and there again
+    const cv::Mat image = world.view(poseAt(i < 80 ? i : i < 160 ? 160 - i : i - 160));
+    tracked += slam.track(viewOf(image), i, i / 30.0).state == TrackingState::Tracking;
+    ASSERT_LE(slam.statistics().keyframes, 16);
+    ASSERT_LE(slam.statistics().map_points, 1000);
+  }
+  EXPECT_GT(tracked, 220);
+  EXPECT_EQ(slam.statistics().maps, 1);
+  EXPECT_EQ(slam.memory().total(), bytes);
+}
+
+TEST(SlamSystem, IsFoundAgainWhereverInItsMapTheScopeIsPutBack) {
+  const PlaneWorld world;
+  const cv::Mat outside(480, 640, CV_8U, cv::Scalar(0));
+  for (const int place : {10, 70}) {
+    SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);
+    const std::uint32_t map_id = run(slam, world, 0, 80).back().map_id;
+    const auto known = slam.correctedTrajectory();
+    const auto there = std::find_if(known.begin(), known.end(),
+                                    [&](const StampedPose& p) { return p.frame == place; });
+    ASSERT_NE(there, known.end());
+    for (int i = 80; i < 125; ++i) slam.track(viewOf(outside), i, i / 30.0);
+    const cv::Mat image = world.view(poseAt(place));
+    PoseEstimate found;
+    int tries = 0;
+    while (found.state != TrackingState::Tracking && tries < 10) {
+      found = slam.track(viewOf(image), 125 + tries, (125 + tries) / 30.0);
+      ++tries;
+    }
+    ASSERT_EQ(found.state, TrackingState::Tracking) << place;
+    EXPECT_EQ(found.map_id, map_id);
+    // To a hundredth of the distance to the plane.
+    EXPECT_LT((found.T_camera_world.inverse().t - there->T_world_camera.t).norm(), 0.01) << place;
+  }
+}
+
 TEST(SlamSystem, AllocatesNothingOnceItIsBuilt) {
   const PlaneWorld world;
   SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 
 namespace depthscope {
@@ -26,12 +27,19 @@ class MemoryScope {
  public:
   explicit MemoryScope(MemoryMeter& meter) : outer_(current_memory_meter) {
     current_memory_meter = &meter;
+    fence();
   }
-  ~MemoryScope() { current_memory_meter = outer_; }
+  ~MemoryScope() {
+    fence();
+    current_memory_meter = outer_;
+  }
   MemoryScope(const MemoryScope&) = delete;
   MemoryScope& operator=(const MemoryScope&) = delete;
 
  private:
+  /// Compilers take it that malloc and free look at no variable of the program: not these.
+  static void fence() { std::atomic_signal_fence(std::memory_order_seq_cst); }
+
   MemoryMeter* outer_;
 };
 

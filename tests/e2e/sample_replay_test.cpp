@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
+#include <string>
 
 #include "../platform/temporary_folder.hpp"
 #include "capture/file_source.hpp"
@@ -48,7 +50,12 @@ TEST_F(SampleReplay, LeavesEveryFileOfTheContractAndNothingElse) {
   EXPECT_EQ(names,
             (std::set<std::string>{"trajectory.txt", "trajectory_live.txt", "map.ply",
                                    "surface.ply", "overlay.mp4", "snapshot.png", "metrics.json"}));
-  EXPECT_EQ(result_.err, "");
+}
+
+TEST_F(SampleReplay, WarnsOfNothingButJumpsOfTheSurface) {
+  std::istringstream lines(result_.err);
+  for (std::string line; std::getline(lines, line);)
+    EXPECT_TRUE(line.starts_with("surface jumps ")) << line;
 }
 
 TEST_F(SampleReplay, TracksAndReconstructsAsWellAsThePaper) {

@@ -85,7 +85,7 @@ struct TrackerSettings {
   // same. Time for every keyframe to have its turn in relocalization: of 120 at 30 pictures a
   // second.
   double new_map_after_s = 0.5;
-  int local_keyframes = 40;      // that a frame's local map is made from
+  int local_keyframes = 40;  // that a frame's local map is made from
   // Of the points of the last frame found by descriptor: fewer, and optical flow carries the
   // others, each step with an error of its own [px of the feature's level]. Without it 82 % of the
   // frames were tracked on dark, smooth tissue, with it 91 %; where there is texture it has

@@ -144,12 +144,13 @@ int run(double seconds, bool exact) {
       static_cast<unsigned long long>(report.skipped.load()),
       static_cast<unsigned long long>(report.stale.load()));
   std::printf("unreadable %d, not new %d\n", display.unreadable, display.not_new);
-  // A picture shown again as stale is darkened and says nothing, or what it said before. The loop's
-  // summary is up to 30 pictures old.
+  // A picture shown again as stale is darkened and says nothing, or what it said before; nor can
+  // a clock be read that the surface lies over for a while. The loop's summary is up to 30 pictures
+  // old.
   const bool agree = std::abs(by_pictures.p50 - times.video_delay.p50) < 1;
-  const bool good = agree && display.not_new <= static_cast<int>(report.stale.load()) &&
-                    by_pictures.count > 30 &&
-                    display.unreadable <= static_cast<int>(report.faults.load());
+  const bool good =
+      agree && display.not_new <= static_cast<int>(report.stale.load()) && by_pictures.count > 30 &&
+      display.unreadable <= static_cast<int>(report.faults.load() + by_pictures.count / 5);
   std::printf("%s\n", good ? "the pictures agree with the loop" : "the pictures DISAGREE");
   return good ? 0 : 1;
 }

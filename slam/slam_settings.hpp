@@ -87,9 +87,9 @@ struct TrackerSettings {
   double new_map_after_s = 0.5;
   int local_keyframes = 40;  // that a frame's local map is made from
   // Of the points of the last frame found by descriptor: fewer, and optical flow carries the
-  // others, each step with an error of its own [px of the feature's level]. Without it 82 % of the
-  // frames were tracked on dark, smooth tissue, with it 91 %; where there is texture it has
-  // nothing to do.
+  // others, each step with an error of its own [px of the feature's level]. Without it two clips of
+  // dark, smooth tissue are tracked in 91 and 91 % of the frames, lost once each, with it in 95 %,
+  // never lost, and in 91 %. Where there is texture it has nothing to do.
   int carry_below = 90;
   double flow_sigma_px = 0.3;
   // Of the reference keyframe's points tracked: below, a new one. With 0.8 there are 1.5 to 2 times

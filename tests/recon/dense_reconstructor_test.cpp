@@ -6,6 +6,7 @@
 #include <ctime>
 #include <thread>
 
+#include "mesh_area.hpp"
 #include "rendered_keyframes.hpp"
 
 namespace depthscope::recon {
@@ -24,15 +25,6 @@ SurfaceMesh reconstructed(const RenderedKeyframes& scene, const DenseSettings& s
   SurfaceMesh mesh;
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
   return mesh;
-}
-
-double area(const SurfaceMesh& mesh) {
-  double sum = 0;
-  for (const auto& t : mesh.triangles)
-    sum += 0.5 * (mesh.vertices[t[1]] - mesh.vertices[t[0]])
-                     .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
-                     .norm();
-  return sum;
 }
 
 /// Root mean square distance of the vertices to the surface, along z.

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "mesh_area.hpp"
 #include "synthetic_cloud.hpp"
 #include "types/error.hpp"
 
@@ -17,15 +18,6 @@ SurfaceMesh reconstructed(const SparseCloud& cloud,
   SurfaceMesh mesh;
   EXPECT_EQ(Reconstructor({}, settings).reconstruct(cloud, mesh), ReconStatus::Ok);
   return mesh;
-}
-
-double area(const SurfaceMesh& mesh) {
-  double sum = 0;
-  for (const auto& t : mesh.triangles)
-    sum += 0.5 * (mesh.vertices[t[1]] - mesh.vertices[t[0]])
-                     .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
-                     .norm();
-  return sum;
 }
 
 template <typename T>

@@ -1,61 +1,12 @@
-#include "platform/footswitch/footswitch.hpp"
-
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include "tests/fake_kernel/fake_gpio.hpp"
-#include "tests/fake_kernel/fake_input_device.hpp"
+#include "footswitch_fixture.hpp"
 
 namespace depthscope::platform {
 namespace {
 
-using fake::FakeGpio;
 using std::chrono::milliseconds;
 using testing::HasSubstr;
-using Wire = FakeGpio::Wire;
-
-class FootswitchTest : public ::testing::Test {
- protected:
-  FootswitchTest() {
-    gpio.addLine("gpiochip0", 3, "DOOR");
-    gpio.addLine("gpiochip0", 4, "FOOT");
-    gpio.addLine("gpiochip1", 4, "OTHER");
-    settings.line = "FOOT";
-  }
-  void make() { footswitch.emplace(settings, gpio, kernel); }
-  /// Time passes, with the service's loop turning as often as it asks to; presses meanwhile.
-  int pass(milliseconds time) {
-    const auto until = gpio.now + time;
-    int presses = turn();
-    while (gpio.now < until) {
-      const int wait = footswitch->waitAtMost(gpio.now, 50);
-      gpio.now += std::clamp<milliseconds>(milliseconds(wait), milliseconds(1),
-                                           std::chrono::ceil<milliseconds>(until - gpio.now));
-      presses += turn();
-    }
-    return presses;
-  }
-  int turn(short events = 0) {
-    std::array<pollfd, Footswitch::max_pedals> descriptors{};
-    footswitch->addTo(descriptors);
-    for (pollfd& d : descriptors) d.revents = events;
-    return footswitch->service(gpio.now, descriptors);
-  }
-  void bounce(Wire from, Wire to, int times) {
-    for (int i = 0; i < times; ++i) {
-      gpio.setWire("FOOT", to);
-      gpio.now += std::chrono::microseconds(300);
-      gpio.setWire("FOOT", from);
-      gpio.now += std::chrono::microseconds(300);
-    }
-    gpio.setWire("FOOT", to);
-  }
-
-  fake::FakeKernel kernel;
-  FakeGpio gpio{FakeGpio::Time(std::chrono::seconds(1000))};
-  FootswitchSettings settings;
-  std::optional<Footswitch> footswitch;
-};
 
 TEST_F(FootswitchTest, WithoutAPedalThereIsNothingToDo) {
   settings.line.clear();
@@ -249,116 +200,6 @@ TEST_F(FootswitchTest, AnOutputLineStartsInactiveAndTakesLogicalLevels) {
   EXPECT_EQ(gpio.lines["DOOR"].wire, Wire::High);
   EXPECT_EQ(output->set(true), 0);
   EXPECT_EQ(gpio.lines["DOOR"].wire, Wire::Low);
-}
-
-class KeyboardPedalTest : public FootswitchTest {
- protected:
-  KeyboardPedalTest() {
-    settings.line.clear();
-    settings.keyboard = "PCsensor FootSwitch";
-  }
-  void TearDown() override { footswitch.reset(); }  // before the devices it holds open
-  fake::FakeInputDevice mouse{kernel, "/dev/input/event0", "Mouse"};
-  fake::FakeInputDevice pedal{kernel, "/dev/input/event1", "PCsensor FootSwitch"};
-};
-
-TEST_F(KeyboardPedalTest, APressOfAnyKeyCountsOnceHoweverLongItRepeats) {
-  make();
-  EXPECT_EQ(turn(), 0);
-  EXPECT_TRUE(pedal.grabbed());
-  EXPECT_FALSE(mouse.grabbed());
-  pedal.key(KEY_B, 1);
-  EXPECT_EQ(turn(), 1);
-  pedal.key(KEY_B, 2);
-  pedal.key(KEY_B, 2);
-  pedal.key(KEY_B, 0);
-  EXPECT_EQ(turn(), 0);
-  pedal.key(KEY_B, 1);
-  pedal.key(KEY_B, 0);
-  pedal.key(KEY_B, 1);
-  EXPECT_EQ(turn(), 2);
-}
-
-TEST_F(KeyboardPedalTest, OtherKeysThanTheOneOfTheSettingsDoNotCount) {
-  settings.keyboard = "/dev/input/event1";
-  settings.key = KEY_A;
-  make();
-  turn();
-  pedal.key(KEY_B, 1);
-  EXPECT_EQ(turn(), 0);
-  pedal.key(KEY_A, 1);
-  EXPECT_EQ(turn(), 1);
-}
-
-TEST_F(KeyboardPedalTest, AfterAnOverflowTheKeysAreAskedThemselves) {
-  make();
-  turn();
-  pedal.keyUnseen(KEY_B, 1);
-  EXPECT_EQ(turn(), 1);
-  EXPECT_EQ(footswitch->lost(), 1u);
-  pedal.keyUnseen(KEY_B, 0);
-  EXPECT_EQ(turn(), 0);
-  pedal.key(KEY_B, 1);
-  EXPECT_EQ(turn(), 1);
-}
-
-TEST_F(KeyboardPedalTest, UnpluggedItIsFoundAgain) {
-  make();
-  pass(milliseconds(10));
-  pedal.setPresent(false);
-  pass(milliseconds(1000));
-  EXPECT_THAT(footswitch->state(), HasSubstr("No such"));
-  EXPECT_EQ(kernel.openDescriptors(), 0u);
-  pedal.setPresent(true);
-  pass(milliseconds(400));
-  EXPECT_EQ(footswitch->state(), "ready");
-  pedal.key(KEY_B, 1);
-  EXPECT_EQ(turn(), 1);
-}
-
-TEST_F(KeyboardPedalTest, ForbiddenOrGrabbedByAnotherItIsTriedAgain) {
-  pedal.denied = true;
-  make();
-  pass(milliseconds(10));
-  EXPECT_THAT(footswitch->state(), HasSubstr("denied"));
-  pedal.denied = false;
-  pedal.grabbed_by_other = true;
-  pass(milliseconds(400));
-  EXPECT_THAT(footswitch->state(), HasSubstr("busy"));
-  EXPECT_EQ(kernel.openDescriptors(), 0u);
-  pedal.grabbed_by_other = false;
-  pass(milliseconds(400));
-  EXPECT_EQ(footswitch->state(), "ready");
-}
-
-TEST_F(KeyboardPedalTest, SurvivesAFaultOfAnyCall) {
-  const auto session = [&] {
-    make();
-    for (int i = 0; i < 4; ++i) {
-      pass(milliseconds(50));
-      pedal.key(KEY_B, 1);
-      pass(milliseconds(50));
-      pedal.key(KEY_B, 0);
-    }
-  };
-  const auto before = kernel.calls();
-  session();
-  const auto calls = kernel.calls() - before;
-  for (const int error : {EIO, ENODEV, EAGAIN, EINTR, EINVAL, EBUSY, EACCES})
-    for (const bool forever : {false, true})
-      for (std::uint64_t k = 1; k <= calls; ++k) {
-        kernel.inject({.call = kernel.calls() + k, .forever = forever, .error = error});
-        session();
-        kernel.inject({});
-        pass(milliseconds(400));
-        ASSERT_EQ(footswitch->state(), "ready") << "call " << k << " errno " << error;
-        pedal.key(KEY_B, 1);
-        ASSERT_EQ(pass(milliseconds(50)), 1);
-        pedal.key(KEY_B, 0);
-        footswitch.reset();
-        ASSERT_EQ(kernel.openDescriptors(), 0u);
-        ASSERT_EQ(kernel.misuses(), 0u);
-      }
 }
 
 }  // namespace

@@ -53,7 +53,8 @@ void ArProcess::run() {
   for (std::uint32_t rings = bell.rings(); handleCommands(); rings = bell.rings()) {
     handlePicture();
     publishStatus();
-    kernel::realSystemCalls().waitForRing(bell, rings, heartbeat);
+    const int waited = kernel::realSystemCalls().waitForRing(bell, rings, heartbeat);
+    if (waited < 0 && waited != -ETIMEDOUT && waited != -EINTR) return;  // rather than turn idly
   }
 }
 

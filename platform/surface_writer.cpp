@@ -15,7 +15,24 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "binary files are written in the machine's own order");
 
-constexpr std::string_view unit = "Depthscope surface, up to scale: in the map's unit of length";
+/// A surface on its way into a file.
+struct Exported {
+  const SurfaceMesh& mesh;
+  float factor;      // from map units to those of the file
+  std::string unit;  // what these are: fits into the 80 characters of STL
+  std::string from;  // how the scale is known; empty without one
+
+  Eigen::Vector3f vertex(std::size_t i) const { return factor * mesh.vertices[i]; }
+};
+
+Exported prepare(const SurfaceMesh& mesh, const std::optional<MapScale>& scale, Lengths lengths) {
+  if (!scale) return {mesh, 1, "Depthscope surface, up to scale: in the map's unit of length", {}};
+  const bool mm = lengths == Lengths::Millimetres;
+  return {mesh, mm ? static_cast<float>(scale->mm_per_unit) : 1,
+          std::string("Depthscope surface in ") + (mm ? "mm" : "map units") +
+              ", scale: " + toString(*scale),
+          "scale from " + toString(scale->from)};
+}
 
 template <class T>
 void put(std::ostream& out, const T& value) {
@@ -26,15 +43,17 @@ void put(std::ostream& out, const Eigen::Vector3f& v) {
   out.write(reinterpret_cast<const char*>(v.data()), 3 * sizeof(float));
 }
 
-void writePly(std::ostream& out, const SurfaceMesh& mesh) {
-  out << "ply\nformat binary_little_endian 1.0\ncomment " << unit << "\nelement vertex "
-      << mesh.vertices.size()
+void writePly(std::ostream& out, const Exported& surface) {
+  const SurfaceMesh& mesh = surface.mesh;
+  out << "ply\nformat binary_little_endian 1.0\ncomment " << surface.unit << '\n';
+  if (!surface.from.empty()) out << "comment " << surface.from << '\n';
+  out << "element vertex " << mesh.vertices.size()
       << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty "
          "float ny\n"
          "property float nz\nproperty float confidence\nelement face "
       << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    put(out, mesh.vertices[i]);
+    put(out, surface.vertex(i));
     put(out, mesh.normals[i]);
     put(out, mesh.confidence[i]);
   }
@@ -55,9 +74,11 @@ std::string line(std::string_view key, const Eigen::Vector3f& v) {
   return text + '\n';
 }
 
-void writeObj(std::ostream& out, const SurfaceMesh& mesh) {
-  out << "# " << unit << '\n';
-  for (const auto& v : mesh.vertices) out << line("v", v);
+void writeObj(std::ostream& out, const Exported& surface) {
+  const SurfaceMesh& mesh = surface.mesh;
+  out << "# " << surface.unit << '\n';
+  if (!surface.from.empty()) out << "# " << surface.from << '\n';
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) out << line("v", surface.vertex(i));
   for (const auto& n : mesh.normals) out << line("vn", n);
   for (const auto& triangle : mesh.triangles) {
     out << 'f';
@@ -69,14 +90,14 @@ void writeObj(std::ostream& out, const SurfaceMesh& mesh) {
   }
 }
 
-void writeStl(std::ostream& out, const SurfaceMesh& mesh) {
+void writeStl(std::ostream& out, const Exported& surface) {
   std::array<char, 80> header{};
-  std::copy(unit.begin(), unit.end(), header.begin());
+  std::copy_n(surface.unit.begin(), std::min(surface.unit.size(), header.size()), header.begin());
   out.write(header.data(), header.size());
-  put(out, static_cast<std::uint32_t>(mesh.triangles.size()));
-  for (const auto& t : mesh.triangles) {
-    const Eigen::Vector3f &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
-                          &c = mesh.vertices[t[2]];
+  put(out, static_cast<std::uint32_t>(surface.mesh.triangles.size()));
+  for (const auto& t : surface.mesh.triangles) {
+    const Eigen::Vector3f a = surface.vertex(t[0]), b = surface.vertex(t[1]),
+                          c = surface.vertex(t[2]);
     const Eigen::Vector3f normal = (b - a).cross(c - a).normalized();
     for (const Eigen::Vector3f& v : {normal, a, b, c}) put(out, v);
     put(out, std::uint16_t{0});
@@ -95,14 +116,16 @@ std::optional<SurfaceFormat> surfaceFormat(std::string_view extension) {
   return std::nullopt;
 }
 
-void writeSurface(std::ostream& out, const SurfaceMesh& mesh, SurfaceFormat format) {
+void writeSurface(std::ostream& out, const SurfaceMesh& mesh, SurfaceFormat format,
+                  const std::optional<MapScale>& scale, Lengths lengths) {
+  const Exported surface = prepare(mesh, scale, lengths);
   switch (format) {
     case SurfaceFormat::Ply:
-      return writePly(out, mesh);
+      return writePly(out, surface);
     case SurfaceFormat::Obj:
-      return writeObj(out, mesh);
+      return writeObj(out, surface);
     case SurfaceFormat::Stl:
-      return writeStl(out, mesh);
+      return writeStl(out, surface);
   }
 }
 

@@ -3,11 +3,12 @@
 #include <optional>
 #include <string_view>
 
+#include "platform/map_scale.hpp"
 #include "types/surface_mesh.hpp"
 
 namespace depthscope::platform {
 
-/// Files that a surface can be handed out as, in the unit of length of its map.
+/// Files that a surface can be handed out as.
 enum class SurfaceFormat {
   Ply,  // binary little-endian: x y z nx ny nz confidence, triangles
   Obj,  // text: vertices, normals, triangles
@@ -17,8 +18,14 @@ enum class SurfaceFormat {
 /// By the end of a file's name, without the dot: "ply", "obj" or "stl" in any case; else none.
 std::optional<SurfaceFormat> surfaceFormat(std::string_view extension);
 
-/// Writes a surface; the header says that it is right up to scale only. Equal meshes give equal
-/// bytes. An empty mesh gives a valid file without vertices.
-void writeSurface(std::ostream& out, const SurfaceMesh& mesh, SurfaceFormat format);
+/// What coordinates are written in where the scale of the map is known.
+enum class Lengths { Millimetres, MapUnits };
+
+/// Writes a surface. Without a `scale` coordinates are in the map's unit, and the header says that
+/// they are right up to scale only; else it says the scale, and what they are in. Equal meshes give
+/// equal bytes. An empty mesh gives a valid file without vertices.
+void writeSurface(std::ostream& out, const SurfaceMesh& mesh, SurfaceFormat format,
+                  const std::optional<MapScale>& scale = std::nullopt,
+                  Lengths lengths = Lengths::Millimetres);
 
 }  // namespace depthscope::platform

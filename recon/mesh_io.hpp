@@ -6,15 +6,10 @@
 
 namespace depthscope::recon {
 
-/// Writes a surface as binary little-endian PLY: vertices `x y z nx ny nz confidence` (float, map
-/// units), faces `uchar int` list `vertex_indices`. Atomic: a reader sees the old file or the new
-/// one, never half of it. Throws InputError when the file cannot be created, std::runtime_error
-/// when the disk fails later.
-void writePly(const std::filesystem::path& path, const SurfaceMesh& mesh);
-
 /// Writes the sparse points as binary little-endian PLY: `x y z` (float, map units), `nx ny nz`
-/// (unit, towards the cameras), `observations` (int), `reprojection_error` (float, px). Atomic as
-/// above.
+/// (unit, towards the cameras), `observations` (int), `reprojection_error` (float, px). Atomic: a
+/// reader sees the old file or the new one, never half of it. Throws InputError when the file
+/// cannot be created, std::runtime_error when the disk fails later.
 void writePly(const std::filesystem::path& path, const SparseCloud& cloud);
 
 /// Reads the surface in a PLY file (ascii or binary little-endian; polygons are split into

@@ -49,25 +49,6 @@ void writeAtomically(const std::filesystem::path& path, const std::string& bytes
 
 }  // namespace
 
-void writePly(const std::filesystem::path& path, const SurfaceMesh& mesh) {
-  std::string out =
-      header("element vertex " + std::to_string(mesh.vertices.size()) +
-             "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
-             "property float ny\nproperty float nz\nproperty float confidence\nelement face " +
-             std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\n");
-  out.reserve(out.size() + mesh.vertices.size() * 28 + mesh.triangles.size() * 13);
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    append(out, mesh.vertices[i]);
-    append(out, mesh.normals[i]);
-    append(out, mesh.confidence[i]);
-  }
-  for (const auto& t : mesh.triangles) {
-    append(out, std::uint8_t{3});
-    for (std::uint32_t v : t) append(out, static_cast<std::int32_t>(v));
-  }
-  writeAtomically(path, out);
-}
-
 void writePly(const std::filesystem::path& path, const SparseCloud& cloud) {
   std::string out =
       header("element vertex " + std::to_string(cloud.points.size()) +

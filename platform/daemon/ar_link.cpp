@@ -137,4 +137,16 @@ void ArLink::takePose(PublishedFrames::Time captured, overlay::OverlayState& sta
   state.age_ms = std::max(age_ms, 0.0f);
 }
 
+std::optional<PoseEstimate> ArLink::trackedPose(PublishedFrames::Time now) const {
+  WirePose wire;
+  PoseEstimate pose;
+  if (starts_.load(std::memory_order_acquire) % 2 == 0 || !memory_.block().pose.read(wire) ||
+      !decodePose(wire, pose) || pose.state != TrackingState::Tracking)
+    return std::nullopt;
+  const auto at = published_.captured(pose.frame);
+  const std::chrono::duration<float, std::milli> most(max_age_ms_);
+  if (!at || now - *at > most) return std::nullopt;
+  return pose;
+}
+
 }  // namespace depthscope::platform

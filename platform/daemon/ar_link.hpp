@@ -44,6 +44,10 @@ class ArLink {
   /// each picture in turn.
   View view(PublishedFrames::Time captured, int width, int height);
 
+  /// From any thread: the newest pose, while the scope is tracked in it and it is of a picture
+  /// captured no longer before `now` than the age limit.
+  std::optional<PoseEstimate> trackedPose(PublishedFrames::Time now) const;
+
   /// From any thread: things that the AR process sent and that did not pass the checks.
   std::uint64_t rejected() const { return rejected_.load(std::memory_order_relaxed); }
 

@@ -22,6 +22,7 @@
 namespace depthscope::platform {
 namespace {
 
+constexpr int snapshot_tries = 3;  // for a picture that can be measured in
 constexpr std::string_view no_ar = "error no AR process runs at the moment";
 
 const char* overlayStatusName(std::uint8_t status) {
@@ -59,14 +60,16 @@ bool writeAll(int fd, std::string_view bytes) {
 
 ControlRequests::ControlRequests(Settings& settings, const CameraModel& camera,
                                  const SharedMemory& memory, ArSupervisor& ar, VideoRequests& video,
-                                 const VideoReport& report, const Footswitch& footswitch)
+                                 const VideoReport& report, const Footswitch& footswitch,
+                                 MapScaleKeeper& scale)
     : settings_(settings),
       camera_(camera),
       memory_(memory),
       ar_(ar),
       video_(video),
       report_(report),
-      footswitch_(footswitch) {}
+      footswitch_(footswitch),
+      scale_(scale) {}
 
 std::string ControlRequests::footswitchPressed() {
   switch (settings_.footswitch.action) {
@@ -87,17 +90,23 @@ std::string ControlRequests::handle(std::string_view line, UniqueFd attached) {
       space == std::string_view::npos ? std::string_view() : line.substr(space + 1);
   if (verb == "status") return "ok " + status();
   if (verb == "reconstruct") return command(encodeCommand(WireCommand::Reconstruct));
-  if (verb == "reset") return command(encodeCommand(WireCommand::Reset));
+  if (verb == "reset") return reset();
   if (verb == "label") return label(rest, {camera_.width / 2.0, camera_.height / 2.0});
   if (verb == "label-at") return labelAt(rest);
   if (verb == "overlay") return overlay(rest);
   if (verb == "snapshot") return snapshot();
+  if (verb == "scale") return scale(rest);
   if (verb == "export") return exportSurface(rest, std::move(attached));
   return "error unknown request";
 }
 
 std::string ControlRequests::command(const WireCommand& command) {
   return ar_.send(command) ? "ok" : std::string(no_ar);
+}
+
+std::string ControlRequests::reset() {
+  scale_.forget();
+  return command(encodeCommand(WireCommand::Reset));
 }
 
 std::string ControlRequests::label(std::string_view text, const Eigen::Vector2d& pixel) {
@@ -138,7 +147,10 @@ std::string ControlRequests::overlay(std::string_view mode) {
 }
 
 std::string ControlRequests::snapshot() {
-  const auto picture = video_.snapshot();
+  auto picture = video_.snapshot();
+  for (int tries = 1; picture && !scale_.noteSnapshot(picture->frame) && tries < snapshot_tries;
+       ++tries)
+    picture = video_.snapshot();
   if (!picture) return "error no picture came within a second";
   const std::filesystem::path folder = settings_.daemon.state_dir;
   char name[64];
@@ -158,6 +170,14 @@ std::string ControlRequests::snapshot() {
   }
 }
 
+std::string ControlRequests::scale(std::string_view rest) {
+  try {
+    return "ok " + toString(scale_.measure(rest));
+  } catch (const InputError& error) {
+    return std::string("error ") + error.what();
+  }
+}
+
 std::string ControlRequests::exportSurface(std::string_view format, UniqueFd file) const {
   const auto known = surfaceFormat(format);
   if (!known) return "error expected ply, obj or stl";
@@ -170,9 +190,11 @@ std::string ControlRequests::exportSurface(std::string_view format, UniqueFd fil
   if (reader.takeNewest(mesh) != SurfaceMailboxReader::Result::Taken || mesh.empty())
     return "error there is no surface yet";
   std::ostringstream text;
-  writeSurface(text, mesh, *known);
+  const std::optional<MapScale> scale = scale_.of(mesh);
+  writeSurface(text, mesh, *known, scale);
   if (!writeAll(file.get(), text.view())) return "error the file cannot be written";
-  return "ok " + std::to_string(mesh.triangles.size()) + " triangles";
+  return "ok " + std::to_string(mesh.triangles.size()) + " triangles, " +
+         (scale ? "in mm: " + toString(*scale) : "up to scale");
 }
 
 std::string ControlRequests::status() const {
@@ -215,6 +237,10 @@ std::string ControlRequests::status() const {
                          {"blend", toJson(times.blend)},
                          {"submit", toJson(times.submit)}};
   }
+  const auto scale = scale_.ofTrackedMap();
+  json["scale"] = scale ? toString(scale->from) : "up to scale";
+  json["mm_per_unit"] = scale ? nlohmann::ordered_json(scale->mm_per_unit) : nullptr;
+  json["mm_per_unit_uncertainty"] = scale ? nlohmann::ordered_json(scale->uncertainty_mm) : nullptr;
   WireArStatus ar;
   if (ar_.alive() && memory_.block().status.read(ar) && plausible(ar)) {
     json["keyframes"] = ar.keyframes;

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "platform/config/live_settings.hpp"
 #include "platform/daemon/open_source.hpp"
@@ -69,8 +70,9 @@ Daemon::Daemon(const DaemonOptions& options)
       ar_(arCommand(options), memory_, settings_),
       gpio_(makeGpioChips()),
       footswitch_(options.settings.footswitch, *gpio_, kernel::realSystemCalls()),
+      scale_(options.camera, memory_, link_, pose_wait_),
       control_requests_(settings_, options.camera, memory_, ar_, video_requests_, report_,
-                        footswitch_),
+                        footswitch_, scale_),
       control_(options.settings.daemon.control_socket,
                [this](std::string_view line, UniqueFd attached) {
                  return control_requests_.handle(line, std::move(attached));
@@ -135,6 +137,7 @@ void Daemon::serviceLoop() {
     if (report_.ended.load(std::memory_order_acquire)) return;
     ar_.tick(std::chrono::steady_clock::now());
     link_.setAlive(ar_.alive());
+    if (std::exchange(ar_restarts_, ar_.restarts()) != ar_.restarts()) scale_.arStarted();
     serveFootswitch(pedals);
     if (wait[1].revents != 0) control_.serve();
     if (frame_log_) frame_log_->flush();

@@ -53,6 +53,8 @@ class Daemon {
   std::optional<FrameLog> frame_log_;
   std::unique_ptr<GpioChips> gpio_;
   Footswitch footswitch_;
+  MapScaleKeeper scale_;
+  int ar_restarts_ = 0;  // that the scale knows of
   ControlRequests control_requests_;
   ControlServer control_;
 };

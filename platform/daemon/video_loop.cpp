@@ -144,7 +144,7 @@ void VideoLoop::showPicture(capture::Frame& frame) {
     if (direct) capture::toRgba(frame, picture_);
     compose(layer, out);
     times.composited = parts_.system.now();
-    present(out);
+    present(out, static_cast<std::int64_t>(times.sequence));
     times.submitted = parts_.system.now();
   }
   last_picture_ = times.dequeued;
@@ -175,7 +175,8 @@ bool VideoLoop::presentDirect(capture::Frame& frame, const OverlayLayer* layer,
   capture::toRgba(*held, picture_);
   if (parts_.requests.pictureWanted()) {
     compose(layer, out);
-    parts_.requests.offerPicture({out.data(), width_, height_, width_ * 4});
+    parts_.requests.offerPicture({out.data(), width_, height_, width_ * 4},
+                                 static_cast<std::int64_t>(times.sequence));
   }
   return true;
 }
@@ -267,14 +268,15 @@ void VideoLoop::showFault(SourceStatus status) {
     painter_.paintFault(faultMessage(status), out, width_, height_);
   }
   ++shown_;
-  present(out);
+  present(out, -1);
   parts_.report.overlay_status.store(static_cast<std::uint8_t>(overlay::Status::NoSignal),
                                      std::memory_order_relaxed);
   parts_.report.faults.fetch_add(1, std::memory_order_relaxed);
 }
 
-void VideoLoop::present(std::span<std::uint8_t> picture) {
-  parts_.requests.offerPicture({picture.data(), width_, height_, width_ * 4});
+/// `frame`: number of the picture from the scope, negative for another.
+void VideoLoop::present(std::span<std::uint8_t> picture, std::int64_t frame) {
+  parts_.requests.offerPicture({picture.data(), width_, height_, width_ * 4}, frame);
   parts_.display.present(shown_);
   parts_.report.presented.fetch_add(1, std::memory_order_release);
 }

@@ -63,7 +63,7 @@ class VideoLoop {
   const OverlayLayer* usableLayer(Time captured) const;
   void compose(const OverlayLayer* layer, std::span<std::uint8_t> out);
   void noteLayer(const OverlayLayer* layer, FrameTimes& times);
-  void present(std::span<std::uint8_t> picture);
+  void present(std::span<std::uint8_t> picture, std::int64_t frame);
   void account(const FrameTimes& times);
   void noteSource(const capture::ReadResult& result);
 

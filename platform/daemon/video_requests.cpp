@@ -32,7 +32,7 @@ bool VideoRequests::pictureWanted() {
   return lock.owns_lock() && wanted_ && !ready_;
 }
 
-void VideoRequests::offerPicture(const RgbaView& picture) {
+void VideoRequests::offerPicture(const RgbaView& picture, std::int64_t frame) {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock() || !wanted_ || ready_) return;
   // The size changed just now: the one who asks makes room and asks again.
@@ -41,6 +41,7 @@ void VideoRequests::offerPicture(const RgbaView& picture) {
   if (bytes > snapshot_.pixels.capacity()) return;
   snapshot_.width = picture.width;
   snapshot_.height = picture.height;
+  snapshot_.frame = frame;
   snapshot_.pixels.assign(picture.data, picture.data + picture.stride * picture.height);
   ready_ = true;
   answered_.notify_one();

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -15,9 +16,11 @@ namespace depthscope::platform {
 /// a request that they miss is served with the next picture.
 class VideoRequests {
  public:
-  /// A picture as it was shown.
+  /// A picture as it was shown. `frame` is the number of the picture from the scope in it, negative
+  /// where that is an old one or none.
   struct Snapshot {
     int width = 0, height = 0;
+    std::int64_t frame = -1;
     std::vector<std::uint8_t> pixels;  // R G B A, rows packed
   };
 
@@ -36,7 +39,7 @@ class VideoRequests {
   }
   bool pictureWanted();
   /// Copies the picture if one is asked for. Does not allocate.
-  void offerPicture(const RgbaView& picture);
+  void offerPicture(const RgbaView& picture, std::int64_t frame);
 
  private:
   std::mutex mutex_;

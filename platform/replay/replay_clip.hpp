@@ -53,6 +53,10 @@ struct ReplayResult {
 void takeFinalMap(const slam::SlamSystem& slam, recon::Reconstructor* reconstructor,
                   ReplayResult& result);
 
+/// Measures the scale that was asked for, if one was, on the last surface and by the corrected pose
+/// of its picture. Warns where it cannot be.
+void takeScale(const ReplayOptions& options, ReplayResult& result);
+
 /// Reconstructs `cloud` into `mesh` and records the time, that of the pictures since the last
 /// surface included; false, and `mesh` as it was, when there is no surface.
 bool reconstruct(recon::Reconstructor& reconstructor, const SparseCloud& cloud, SurfaceMesh& mesh,

@@ -1,10 +1,13 @@
 #include "platform/replay/replay_command.hpp"
 
 #include <cstdio>
+#include <fstream>
+#include <stdexcept>
 
 #include "platform/interrupt.hpp"
 #include "platform/replay/output_directory.hpp"
 #include "platform/replay/replay_clip.hpp"
+#include "platform/surface_writer.hpp"
 #include "recon/mesh_io.hpp"
 
 namespace depthscope::platform {
@@ -14,12 +17,21 @@ const std::vector<std::string_view> output_files = {
     "trajectory.txt", "trajectory_live.txt", "map.ply",     "surface.ply",
     "overlay.mp4",    "snapshot.png",        "metrics.json"};
 
+/// In the unit of length of the trajectory, whatever is known of its scale.
+void writeSurfaceFile(const std::filesystem::path& path, const ReplayResult& result) {
+  std::ofstream out(path, std::ios::binary);
+  writeSurface(out, result.surface, SurfaceFormat::Ply, result.record.metrics().scale,
+               Lengths::MapUnits);
+  out.close();
+  if (!out) throw std::runtime_error(path.string() + ": cannot be written");
+}
+
 void writeResults(const ReplayOptions& options, const ReplayResult& result,
                   const OutputDirectory& out) {
   writeTrajectory(out.file("trajectory.txt"), result.trajectory);
   writeLiveTrajectory(out.file("trajectory_live.txt"), result.record.live(), result.cloud.map_id);
   recon::writePly(out.file("map.ply"), result.cloud);
-  if (options.surface) recon::writePly(out.file("surface.ply"), result.surface);
+  if (options.surface) writeSurfaceFile(out.file("surface.ply"), result);
   writeMetrics(out.file("metrics.json"), result.record.metrics());
 }
 
@@ -36,6 +48,7 @@ void printSummary(const ReplayOptions& options, const RunMetrics& m) {
   std::printf("medians: track %.1f ms, map %.1f ms, reconstruct %.0f ms, composite %.1f ms\n",
               m.track.percentile(0.5), m.map.percentile(0.5), m.reconstruct.percentile(0.5),
               m.composite.percentile(0.5));
+  if (m.scale) std::printf("scale: %s\n", toString(*m.scale).c_str());
   std::printf("results in %s\n", options.out.c_str());
 }
 
@@ -54,8 +67,9 @@ int replayCommand(Arguments arguments) {
   if (options.overlay)
     recorder.emplace(options.camera, options.settings.overlay, clip.fps, out.file("overlay.mp4"));
   OverlayRecorder* const overlay = recorder ? &*recorder : nullptr;
-  const ReplayResult result = options.realtime ? replayRealtime(options, clip, overlay)
-                                               : replayLockstep(options, clip, overlay);
+  ReplayResult result = options.realtime ? replayRealtime(options, clip, overlay)
+                                         : replayLockstep(options, clip, overlay);
+  takeScale(options, result);
   if (recorder) recorder->finish(out.file("snapshot.png"));
   writeResults(options, result, out);
   out.commit(output_files);

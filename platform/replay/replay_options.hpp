@@ -1,10 +1,13 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "platform/arguments.hpp"
 #include "platform/config/settings.hpp"
 #include "platform/label_anchor.hpp"
+#include "platform/map_scale.hpp"
 #include "types/camera_model.hpp"
 
 namespace depthscope::platform {
@@ -16,6 +19,8 @@ struct ReplayOptions {
   bool overlay = true;
   bool surface = true;
   std::vector<LabelRequest> labels;
+  std::optional<ScaleRequest> scale;
+  std::optional<std::int64_t> scale_frame;  // its picture; none: the last tracked one
   CameraModel camera;
   Settings settings;
 };

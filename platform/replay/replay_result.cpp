@@ -1,11 +1,15 @@
+#include <algorithm>
 #include <cstdio>
+#include <string>
 #include <utility>
 
 #include "platform/allocation_hook.hpp"
 #include "platform/ar/capacity_text.hpp"
 #include "platform/ar/surface_log.hpp"
+#include "platform/log.hpp"
 #include "platform/replay/replay_clip.hpp"
 #include "platform/stopwatch.hpp"
+#include "types/error.hpp"
 
 namespace depthscope::platform {
 
@@ -38,6 +42,25 @@ void takeFinalMap(const slam::SlamSystem& slam, recon::Reconstructor* reconstruc
   metrics.slam = slam.statistics();
   metrics.slam_memory = slam.memory();
   result.trajectory = slam.correctedTrajectory();
+}
+
+void takeScale(const ReplayOptions& options, ReplayResult& result) {
+  if (!options.scale) return;
+  try {
+    const auto& poses = result.trajectory;
+    const auto pose = std::find_if(poses.rbegin(), poses.rend(), [&](const slam::StampedPose& p) {
+      return !options.scale_frame || p.frame == *options.scale_frame;
+    });
+    if (pose == poses.rend())
+      throw InputError(options.scale_frame ? "frame " + std::to_string(*options.scale_frame) +
+                                                 " was not tracked in the main map"
+                                           : std::string("no frame was tracked"));
+    if (result.surface.empty()) throw InputError("there is no surface");
+    result.record.metrics().scale = measureScale(result.surface, options.camera,
+                                                 pose->T_world_camera.inverse(), *options.scale);
+  } catch (const InputError& error) {
+    log(LogPriority::Warning, "scale not measured", {{"why", error.what()}});
+  }
 }
 
 }  // namespace depthscope::platform

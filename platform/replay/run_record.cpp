@@ -94,6 +94,8 @@ void writeMetrics(const std::filesystem::path& path, const RunMetrics& m) {
             {"surface_triangles", m.surface_triangles},
             {"map_mb", static_cast<double>(m.slam_memory.total()) / kMb},
             {"peak_rss_mb", peakResidentMb()}};
+  json["mm_per_unit"] = m.scale ? Json(m.scale->mm_per_unit) : Json(nullptr);
+  json["mm_per_unit_uncertainty"] = m.scale ? Json(m.scale->uncertainty_mm) : Json(nullptr);
   json["steady_state_allocations"] =
       m.steady_state_allocations ? Json(*m.steady_state_allocations) : Json(nullptr);
   json["reconstruct_peak_mb"] = m.reconstruct_peak_bytes

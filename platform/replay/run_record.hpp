@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "platform/histogram.hpp"
+#include "platform/map_scale.hpp"
 #include "slam/slam_system.hpp"
 #include "types/tracking.hpp"
 
@@ -22,6 +23,7 @@ struct RunMetrics {
   double pictures_ms = 0;     // spent on keyframes' pictures since the last surface
   slam::SlamStatistics slam;
   slam::SlamMemory slam_memory;
+  std::optional<MapScale> scale;  // of the main map
   std::optional<std::uint64_t> steady_state_allocations;
   std::optional<std::int64_t> reconstruct_peak_bytes;  // of the heap, held by reconstruction
   Histogram extract, track, map, reconstruct, composite;

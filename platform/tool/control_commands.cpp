@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "platform/config/settings.hpp"
+#include "platform/map_scale.hpp"
 #include "platform/surface_writer.hpp"
 #include "platform/tool/control_client.hpp"
 #include "platform/unique_fd.hpp"
@@ -88,6 +89,31 @@ int labelCommand(Arguments arguments) {
       socket, at ? "label-at " + oneLine(*at) + " " + oneLine(text) : "label " + oneLine(text)));
 }
 
+int scaleCommand(Arguments arguments) {
+  if (helpWanted(
+          arguments, "scale [--diameter] [--in-snapshot] MM X1,Y1 X2,Y2",
+          "Tells the scale of the map by a known length: MM lies on the tissue between two "
+          "pixels,\n"
+          "  both on the surface (a ruler, a target). Prints the scale and its uncertainty by\n"
+          "  picking; it is kept until the map is lost, and exported files are in mm then.\n"
+          "  --diameter     MM is the diameter of an instrument, picked across its shaft where it\n"
+          "                 touches the tissue\n"
+          "  --in-snapshot  the pixels are of the last `depthscope snapshot`, not of the picture\n"
+          "                 as it is now: for a scope that moves"))
+    return 0;
+  const std::string socket = socketOption(arguments);
+  std::string request = "scale ";
+  if (arguments.flag("--in-snapshot")) request += "snapshot ";
+  if (arguments.flag("--diameter")) request += "diameter ";
+  const std::string mm = arguments.positional("a length in mm");
+  const std::string a = arguments.positional("two points X,Y");
+  const std::string b = arguments.positional("a second point X,Y");
+  arguments.finish();
+  const std::string picked = oneLine(mm) + " " + oneLine(a) + " " + oneLine(b);
+  parseScaleRequest(picked);  // what is wrong with it is known without the daemon, too
+  return printAnswer(controlRequest(socket, request + picked));
+}
+
 int snapshotCommand(Arguments arguments) {
   if (helpWanted(arguments, "snapshot",
                  "Saves the picture as it is shown and prints the file's name."))
@@ -98,8 +124,10 @@ int snapshotCommand(Arguments arguments) {
 }
 
 int exportCommand(Arguments arguments) {
-  if (helpWanted(arguments, "export FILE",
-                 "Saves the newest surface as PLY, OBJ or STL, by the end of the file's name."))
+  if (helpWanted(
+          arguments, "export FILE",
+          "Saves the newest surface as PLY, OBJ or STL, by the end of the file's name: in mm\n"
+          "  where the scale of its map is known (depthscope scale), else in the map's unit."))
     return 0;
   const std::string socket = socketOption(arguments);
   const std::filesystem::path file = arguments.positional("a file name");
@@ -128,7 +156,8 @@ int exportCommand(Arguments arguments) {
 }
 
 int resetCommand(Arguments arguments) {
-  if (helpWanted(arguments, "reset", "Forgets map, surface and labels and starts over.")) return 0;
+  if (helpWanted(arguments, "reset", "Forgets map, surface, scale and labels and starts over."))
+    return 0;
   const std::string socket = socketOption(arguments);
   arguments.finish();
   return printAnswer(controlRequest(socket, "reset"));

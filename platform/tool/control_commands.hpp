@@ -9,6 +9,7 @@ int statusCommand(Arguments arguments);
 int reconstructCommand(Arguments arguments);
 int overlayCommand(Arguments arguments);
 int labelCommand(Arguments arguments);
+int scaleCommand(Arguments arguments);
 int snapshotCommand(Arguments arguments);
 int exportCommand(Arguments arguments);
 int resetCommand(Arguments arguments);

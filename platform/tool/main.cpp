@@ -36,6 +36,8 @@ constexpr Command commands[] = {
     {"overlay", overlayCommand,
      "how depth is shown: off, chromadepth or mesh; toggle: off and back"},
     {"label", labelCommand, "fix a text to the tissue in the picture's middle, or at --at X,Y"},
+    {"scale", scaleCommand,
+     "say how long something in the picture is: what is exported is in mm then"},
     {"snapshot", snapshotCommand, "save the picture as it is shown"},
     {"export", exportCommand, "save the newest surface as PLY, OBJ or STL"},
     {"reset", resetCommand, "forget map, surface and labels and start over"},

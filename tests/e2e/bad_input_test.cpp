@@ -98,6 +98,23 @@ TEST_F(BadInput, UnknownArgumentsAndSettings) {
   expectRefused(video(), camera(), {"--set", "slam.vocabulary=/no/such.voc"}, {"/no/such.voc"});
 }
 
+TEST_F(BadInput, ScalesThatCannotBe) {
+  expectRefused(video(), camera(), {"--scale", "10 5,5"}, {"10 5,5", "MM X1,Y1 X2,Y2"});
+  expectRefused(video(), camera(), {"--scale", "0 5,5 50,50"}, {"0.1 to 500 mm"});
+  expectRefused(video(), camera(), {"--scale", "10 5,5 700,50"}, {"700,50", "640x480"});
+  expectRefused(video(), camera(), {"--scale", "10 5,5 50,50", "--no-surface"}, {"--no-surface"});
+  expectRefused(video(), camera(), {"--scale", "10 5,5 50,50", "--scale-frame", "x"},
+                {"--scale-frame x"});
+  expectRefused(video(), camera(), {"--scale-frame", "1"}, {"--scale-frame"});
+}
+
+TEST(Tool, ScaleRefusesWhatIsNoLengthBeforeItAsksTheDaemon) {
+  const ProgramResult result =
+      runProgram({"depthscope", "scale", "900", "1,2", "3,4", "--socket", "/no/such/socket"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("0.1 to 500 mm"));
+}
+
 TEST(Tool, TrainsTheSameVocabularyTwice) {
   const TemporaryFolder folder;
   std::string bytes[2];
@@ -127,8 +144,9 @@ TEST(Tool, RefusesUnknownCommands) {
 }
 
 TEST(Tool, EveryCommandHasHelp) {
-  for (const char* command : {"replay", "evaluate", "calibrate", "train-vocabulary", "status",
-                              "reconstruct", "overlay", "label", "snapshot", "export", "reset"}) {
+  for (const char* command :
+       {"replay", "evaluate", "calibrate", "train-vocabulary", "status", "reconstruct", "overlay",
+        "label", "scale", "snapshot", "export", "reset"}) {
     const ProgramResult result = runProgram({"depthscope", command, "--help"});
     EXPECT_EQ(result.status, 0) << command;
     EXPECT_THAT(result.out, HasSubstr(std::string("depthscope ") + command));

@@ -194,6 +194,42 @@ TEST_F(DaemonRun, AnswersOnTheControlSocket) {
   EXPECT_GT(fs::file_size(ask("snapshot")), 1000u);
 }
 
+TEST_F(DaemonRun, MeasuresTheScaleOfItsMapAndExportsMillimetres) {
+  start({"--set", "capture.loop=true", "--set", "recon.period_s=1"});
+  const auto tool = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "depthscope");
+    words.insert(words.end(), {"--socket", socket_});
+    return runProgram(words);
+  };
+  const auto before =
+      waitFor([](const auto& s) { return s.contains("surfaces") && s["surfaces"] > 0; });
+  EXPECT_EQ(before["scale"], "up to scale");
+  EXPECT_TRUE(before["mm_per_unit"].is_null());
+  const ProgramResult outside = tool({"scale", "10", "100,120", "220,1200"});
+  EXPECT_EQ(outside.status, 1);
+  EXPECT_THAT(outside.err, HasSubstr("220,1200 is outside the picture of 320x240"));
+  // A busy machine's newest pose may just be too old, and the clip starts over now and then.
+  const auto measured = waitFor([&](const auto&) {
+    tool({"snapshot"});
+    return tool({"scale", "--in-snapshot", "40", "110,120", "210,120"}).status == 0;
+  });
+  (void)measured;
+  const auto known = waitFor([](const auto& s) { return !s["mm_per_unit"].is_null(); });
+  EXPECT_EQ(known["scale"], "40 mm between two points");
+  EXPECT_GT(known["mm_per_unit"], 1);
+  EXPECT_GT(known["mm_per_unit_uncertainty"], 0);
+  const fs::path file = folder_.path() / "tissue.obj";
+  waitFor([&](const auto&) {
+    return tool({"export", file}).status == 0 &&
+           readFile(file).find("in mm, scale: ") != std::string::npos;
+  });
+  EXPECT_EQ(ask("reset"), "");
+  const auto after = waitFor([](const auto& s) { return s["scale"] == "up to scale"; });
+  EXPECT_TRUE(after["mm_per_unit"].is_null());
+  ASSERT_EQ(tool({"export", file}).status, 0);
+  EXPECT_THAT(readFile(file), HasSubstr("up to scale"));
+}
+
 TEST_F(DaemonRun, ReadsItsConfigurationAgainOnSighup) {
   start({"--set", "capture.loop=true"});
   const auto before = waitFor([](const auto& s) { return s["ar_alive"] && s["frames_shown"] > 1; });

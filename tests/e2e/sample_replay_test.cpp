@@ -1,6 +1,7 @@
 // The main job on the sample clip, against ground truth: the figures of the paper are the least.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -8,7 +9,9 @@
 
 #include "../platform/temporary_folder.hpp"
 #include "capture/file_source.hpp"
+#include "platform/camera_file.hpp"
 #include "platform/evaluate/evaluation.hpp"
+#include "platform/png_reader.hpp"
 #include "program.hpp"
 
 namespace depthscope::platform {
@@ -26,12 +29,33 @@ ProgramResult replay(const fs::path& out, const std::vector<std::string>& more =
   return runProgram(words);
 }
 
+/// Where a pixel of a frame lies in the world of the truth [mm].
+Eigen::Vector3d truthAt(int frame, int x, int y) {
+  const std::string digits = std::to_string(frame);
+  const Gray16Picture depth =
+      readGray16Png(sample / "depth" / (std::string(6 - digits.size(), '0') + digits + ".png"));
+  const CameraModel camera = loadCameraFile(sample / "camera.yaml");
+  const StampedPose pose =
+      readTrajectory(sample / "groundtruth.txt")[static_cast<std::size_t>(frame)];
+  return pose.position +
+         pose.orientation * (depth.at(x, y) / 100.0 * camera.unproject({x, y}).homogeneous());
+}
+
+/// A length of the tissue that is known from the truth, as --scale takes it.
+std::vector<std::string> knownLength() {
+  constexpr int frame = 360, ax = 220, ay = 200, bx = 420, by = 280;
+  const double mm = (truthAt(frame, ax, ay) - truthAt(frame, bx, by)).norm();
+  std::ostringstream text;
+  text << mm << ' ' << ax << ',' << ay << ' ' << bx << ',' << by;
+  return {"--scale", text.str(), "--scale-frame", std::to_string(frame)};
+}
+
 /// One replay that all tests look at.
 class SampleReplay : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
-    result_ = replay(folder_->path() / "first");
+    result_ = replay(folder_->path() / "first", knownLength());
     if (result_.status == 0)
       metrics_ = nlohmann::json::parse(readFile(folder_->path() / "first" / "metrics.json"));
   }
@@ -75,6 +99,15 @@ TEST_F(SampleReplay, CountsWhatItDid) {
   EXPECT_GT(metrics_["surface_triangles"], 1000);
 }
 
+TEST_F(SampleReplay, KnowsItsScaleFromAKnownLength) {
+  const double truth = evaluateRun(sample, run()).trajectory.T_truth_estimate.scale;
+  const double measured = metrics_["mm_per_unit"];
+  EXPECT_NEAR(measured, truth, 0.03 * truth);
+  EXPECT_LT(std::abs(measured - truth), 3 * metrics_["mm_per_unit_uncertainty"].get<double>());
+  const std::string header = readFile(run() / "surface.ply").substr(0, 200);
+  EXPECT_NE(header.find("in map units, scale: "), std::string::npos) << header;
+}
+
 TEST_F(SampleReplay, AllocatesNothingOnceTheMapIsThere) {
   if (metrics_["steady_state_allocations"].is_null())
     GTEST_SKIP() << "sanitizers bring allocators of their own";
@@ -95,7 +128,9 @@ TEST_F(SampleReplay, TheVideoHasEveryFrameOfTheClip) {
 
 TEST_F(SampleReplay, ASecondRunGivesTheSameBytesWhetherOrNotItDraws) {
   const fs::path second = folder_->path() / "second";
-  const ProgramResult result = replay(second, {"--no-overlay"});
+  std::vector<std::string> more = knownLength();
+  more.push_back("--no-overlay");
+  const ProgramResult result = replay(second, more);
   ASSERT_EQ(result.status, 0) << result.err;
   for (const char* name : {"trajectory.txt", "trajectory_live.txt", "surface.ply", "map.ply"})
     EXPECT_TRUE(readFile(run() / name) == readFile(second / name)) << name;

@@ -7,6 +7,7 @@
 
 #include "platform/evaluate/evaluate_command.hpp"
 #include "platform/evaluate/evaluation.hpp"
+#include "platform/surface_writer.hpp"
 #include "recon/mesh_geometry.hpp"
 #include "recon/mesh_io.hpp"
 #include "types/error.hpp"
@@ -152,6 +153,11 @@ TEST(Summarize, TakesPercentilesOfTheAbsoluteValues) {
   EXPECT_NEAR(s.over_5mm_percent, 100. * 50 / 101, 1e-9);
 }
 
+void writePly(const fs::path& path, const SurfaceMesh& mesh) {
+  std::ofstream out(path, std::ios::binary);
+  writeSurface(out, mesh, SurfaceFormat::Ply);
+}
+
 /// A sequence and a run of it on disk.
 class EvaluateRun : public testing::Test {
  protected:
@@ -163,7 +169,7 @@ class EvaluateRun : public testing::Test {
     fs::create_directories(dir_ / "run");
     const auto truth = arc(60);
     write(dir_ / "sequence" / "groundtruth.txt", truth);
-    recon::writePly(dir_ / "sequence" / "scene.ply", plane(65, 100, 16));
+    writePly(dir_ / "sequence" / "scene.ply", plane(65, 100, 16));
     std::ofstream(dir_ / "sequence" / "camera.yaml")
         << "%YAML:1.0\n---\nimage_width: 160\nimage_height: 120\nfps: 30\ncamera_model: "
            "pinhole\nfx: 300\n"
@@ -175,7 +181,7 @@ class EvaluateRun : public testing::Test {
     write(dir_ / "run" / "trajectory.txt", transformed(truth, s));
     SurfaceMesh surface = plane(60, 101.5f, 12);  // 1.5 mm behind the truth
     for (auto& v : surface.vertices) v = (s * v.cast<double>()).cast<float>();
-    recon::writePly(dir_ / "run" / "surface.ply", surface);
+    writePly(dir_ / "run" / "surface.ply", surface);
   }
   void TearDown() override { fs::remove_all(dir_); }
 
@@ -191,6 +197,16 @@ TEST_F(EvaluateRun, MeasuresAKnownSurfaceErrorInMillimetres) {
   EXPECT_NEAR(e.surface->area_mm2, 120 * 120, 5);
   ASSERT_TRUE(e.surface->has_completeness);
   EXPECT_GT(e.surface->complete_percent[0], 99);  // 1.5 mm away: within 2 mm
+}
+
+TEST_F(EvaluateRun, ReadsASurfaceAsItWasWritten) {
+  const SurfaceMesh mesh = plane(60, 100, 5);
+  writePly(dir_ / "plane.ply", mesh);
+  const SurfaceMesh back = recon::readPly(dir_ / "plane.ply");
+  EXPECT_EQ(back.vertices, mesh.vertices);
+  EXPECT_EQ(back.normals, mesh.normals);
+  EXPECT_EQ(back.confidence, mesh.confidence);
+  EXPECT_EQ(back.triangles, mesh.triangles);
 }
 
 TEST_F(EvaluateRun, DoesWithoutASurface) {

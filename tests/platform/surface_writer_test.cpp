@@ -66,9 +66,39 @@ TEST(SurfaceWriter, WritesStlWithTheTrianglesNormals) {
   EXPECT_EQ(numbers[7], 1);   // y of the second corner, vertex 2
 }
 
+const SurfaceFormat all_formats[] = {SurfaceFormat::Ply, SurfaceFormat::Obj, SurfaceFormat::Stl};
+
 TEST(SurfaceWriter, SaysThatItIsUpToScale) {
-  for (SurfaceFormat format : {SurfaceFormat::Ply, SurfaceFormat::Obj, SurfaceFormat::Stl})
+  for (SurfaceFormat format : all_formats)
     EXPECT_NE(written(triangle(), format).find("up to scale"), std::string::npos);
+}
+
+TEST(SurfaceWriter, WritesMillimetresWhereTheScaleIsKnown) {
+  const MapScale scale{1, 23.5, 0.25, parseScaleRequest("10 1,2 3,4")};
+  for (SurfaceFormat format : all_formats) {
+    std::ostringstream mm, units;
+    writeSurface(mm, triangle(), format, scale);
+    writeSurface(units, triangle(), format, scale, Lengths::MapUnits);
+    EXPECT_NE(mm.str().find("in mm, scale: 23.5 mm per unit +- 0.25"), std::string::npos);
+    EXPECT_NE(units.str().find("in map units, scale: 23.5 mm per unit +- 0.25"), std::string::npos);
+    SurfaceMesh larger = triangle();
+    for (auto& v : larger.vertices) v *= 23.5f;
+    const auto body = [&](const std::string& file) {
+      const std::size_t header = format == SurfaceFormat::Stl
+                                     ? 80
+                                     : file.find(format == SurfaceFormat::Ply ? "element" : "v ");
+      return file.substr(header);
+    };
+    EXPECT_EQ(body(mm.str()), body(written(larger, format)));
+    EXPECT_EQ(body(units.str()), body(written(triangle(), format)));
+  }
+}
+
+TEST(SurfaceWriter, SaysWhatTheScaleIsFrom) {
+  std::ostringstream out;
+  writeSurface(out, triangle(), SurfaceFormat::Obj,
+               MapScale{1, 2, 0.1, parseScaleRequest("diameter 5 1,2 3,4")});
+  EXPECT_NE(out.str().find("\n# scale from 5 mm across an instrument\n"), std::string::npos);
 }
 
 TEST(SurfaceWriter, AnEmptyMeshIsAValidFile) {

@@ -26,12 +26,13 @@ TEST(VideoRequests, ASnapshotIsTheNextPictureOffered) {
   std::atomic<bool> done{false};
   std::thread video([&] {
     const std::uint8_t pixels[8] = {1, 2, 3, 4, 5, 6, 7, 8};
-    while (!done) requests.offerPicture({pixels, 2, 1, 8});
+    while (!done) requests.offerPicture({pixels, 2, 1, 8}, 7);
   });
   const auto snapshot = requests.snapshot();
   done = true;
   video.join();
   ASSERT_TRUE(snapshot);
+  EXPECT_EQ(snapshot->frame, 7);
   EXPECT_EQ(snapshot->width, 2);
   EXPECT_EQ(snapshot->pixels, (std::vector<std::uint8_t>{1, 2, 3, 4, 5, 6, 7, 8}));
 }

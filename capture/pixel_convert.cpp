@@ -77,6 +77,49 @@ bool isRgb(PixelFormat format) {
          format == PixelFormat::Rgba32 || format == PixelFormat::Bgrx32;
 }
 
+void rowToRgba(const Frame& frame, int row, std::uint8_t* to) {
+  const int width = frame.format.width;
+  const YuvCoefficients& c = coefficientsOf(frame.format);
+  const std::uint8_t* in = frame.planes[0].data + row * frame.planes[0].stride;
+  switch (frame.format.pixel_format) {
+    case PixelFormat::Gray8:
+      grayToRgba(in, width, c, to);
+      break;
+    case PixelFormat::Rgb24:
+      rgb24ToRgba(in, width, 0, 2, to);
+      break;
+    case PixelFormat::Bgr24:
+      rgb24ToRgba(in, width, 2, 0, to);
+      break;
+    case PixelFormat::Rgba32:
+      rgba32ToRgba(in, width, to);
+      break;
+    case PixelFormat::Bgrx32:
+      bgrxToRgba(in, width, to);
+      break;
+    default:
+      yuvRowToRgba(frame, row, c, to);
+  }
+  if (isRgb(frame.format.pixel_format) && frame.format.range == YuvRange::Limited)
+    expandRgba(width, to);
+}
+
+/// Mean of up to 256 pixels R G B A, rounded. Two channels are summed in one word.
+Rgb meanOfRun(const std::uint8_t* rgba, int pixels) {
+  std::uint32_t red_blue = 0, green = 0;  // 16 bits a channel
+  for (int i = 0; i < pixels; ++i) {
+    std::uint32_t pixel;
+    std::memcpy(&pixel, rgba + 4 * i, 4);
+    red_blue += pixel & 0x00ff00ffu;
+    green += pixel >> 8 & 0xffu;
+  }
+  const auto count = static_cast<std::uint32_t>(pixels);
+  const auto mean = [&](std::uint32_t sum) {
+    return static_cast<std::uint8_t>((sum + count / 2) / count);
+  };
+  return {mean(red_blue & 0xffffu), mean(green), mean(red_blue >> 16)};
+}
+
 }  // namespace
 
 const YuvCoefficients& coefficientsOf(const FrameFormat& format) {
@@ -85,32 +128,21 @@ const YuvCoefficients& coefficientsOf(const FrameFormat& format) {
 
 void toRgba(const Frame& frame, std::span<std::uint8_t> out) {
   if (!fits(frame, out, 4)) return;
-  const int width = frame.format.width;
-  const YuvCoefficients& c = coefficientsOf(frame.format);
-  const bool expand = isRgb(frame.format.pixel_format) && frame.format.range == YuvRange::Limited;
-  for (int row = 0; row < frame.format.height; ++row) {
-    const std::uint8_t* in = frame.planes[0].data + row * frame.planes[0].stride;
-    std::uint8_t* to = out.data() + std::ptrdiff_t{4} * row * width;
-    switch (frame.format.pixel_format) {
-      case PixelFormat::Gray8:
-        grayToRgba(in, width, c, to);
-        break;
-      case PixelFormat::Rgb24:
-        rgb24ToRgba(in, width, 0, 2, to);
-        break;
-      case PixelFormat::Bgr24:
-        rgb24ToRgba(in, width, 2, 0, to);
-        break;
-      case PixelFormat::Rgba32:
-        rgba32ToRgba(in, width, to);
-        break;
-      case PixelFormat::Bgrx32:
-        bgrxToRgba(in, width, to);
-        break;
-      default:
-        yuvRowToRgba(frame, row, c, to);
-    }
-    if (expand) expandRgba(width, to);
+  const std::ptrdiff_t row_bytes = std::ptrdiff_t{4} * frame.format.width;
+  for (int row = 0; row < frame.format.height; ++row)
+    rowToRgba(frame, row, out.data() + row * row_bytes);
+}
+
+void toReducedRgb(const Frame& frame, std::span<Rgb> out) {
+  const ColorReduction reduced(frame.format.width, frame.format.height);
+  if (frame.empty() || frame.format.width > FramePool::kMaxSide_px || out.size() < reduced.pixels())
+    return;
+  std::uint8_t row[4 * FramePool::kMaxSide_px];
+  Rgb* to = out.data();
+  for (int y = 0; y < reduced.height; ++y) {
+    rowToRgba(frame, y * reduced.factor + reduced.factor / 2, row);
+    for (int x = 0; x < reduced.width; ++x, ++to)
+      *to = meanOfRun(row + std::ptrdiff_t{4} * reduced.factor * x, reduced.factor);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "capture/frame.hpp"
 #include "capture/pixel_rows.hpp"
+#include "types/color.hpp"
 
 namespace depthscope::capture {
 
@@ -22,6 +23,12 @@ void toRgba(const Frame& frame, std::span<std::uint8_t> out);
 /// The frame's luma, 8 bit, rows packed, width * height bytes. Gray and YUV: the Y plane as it is,
 /// no range expanded; RGB: BT.601 weights, likewise. Does not allocate; sizes as for toRgba.
 void toGray(const Frame& frame, std::span<std::uint8_t> out);
+
+/// The small colour picture of a frame: each pixel is the mean, in toRgba()'s colours, of a run of
+/// `factor` pixels, along the middle row of the square that it stands for. Only those rows are
+/// converted, so it costs little beside toRgba(). `out`: ColorReduction::pixels() of the frame's
+/// size; sizes as for toRgba. Does not allocate.
+void toReducedRgb(const Frame& frame, std::span<Rgb> out);
 
 /// The numbers in toRgba()'s formula, for whoever else has to make the same of a picture.
 const YuvCoefficients& coefficientsOf(const FrameFormat& format);

@@ -47,15 +47,21 @@ void writePly(std::ostream& out, const Exported& surface) {
   const SurfaceMesh& mesh = surface.mesh;
   out << "ply\nformat binary_little_endian 1.0\ncomment " << surface.unit << '\n';
   if (!surface.from.empty()) out << "comment " << surface.from << '\n';
+  const bool colors = !mesh.colors.empty(), observations = !mesh.observations.empty();
   out << "element vertex " << mesh.vertices.size()
       << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty "
          "float ny\n"
-         "property float nz\nproperty float confidence\nelement face "
-      << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
+         "property float nz\nproperty float confidence\n";
+  if (colors) out << "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (observations) out << "property ushort observations\n";
+  out << "element face " << mesh.triangles.size()
+      << "\nproperty list uchar int vertex_indices\nend_header\n";
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     put(out, surface.vertex(i));
     put(out, mesh.normals[i]);
     put(out, mesh.confidence[i]);
+    if (colors) put(out, mesh.colors[i]);
+    if (observations) put(out, mesh.observations[i]);
   }
   for (const auto& triangle : mesh.triangles) {
     put(out, std::uint8_t{3});
@@ -63,23 +69,31 @@ void writePly(std::ostream& out, const Exported& surface) {
   }
 }
 
-/// `key x y z`, with the digits that tell each number from its neighbours, in no locale.
-std::string line(std::string_view key, const Eigen::Vector3f& v) {
-  std::string text(key);
+/// ` x y z`, with the digits that tell each number from its neighbours, in no locale.
+std::string numbers(const Eigen::Vector3f& v) {
+  std::string text;
   for (int i = 0; i < 3; ++i) {
     std::array<char, 32> digits;
     text += ' ';
     text.append(digits.data(), std::to_chars(digits.begin(), digits.end(), v[i]).ptr);
   }
-  return text + '\n';
+  return text;
+}
+
+Eigen::Vector3f unitRange(const Rgb& color) {
+  return Eigen::Vector3f(color[0], color[1], color[2]) / 255;
 }
 
 void writeObj(std::ostream& out, const Exported& surface) {
   const SurfaceMesh& mesh = surface.mesh;
   out << "# " << surface.unit << '\n';
   if (!surface.from.empty()) out << "# " << surface.from << '\n';
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) out << line("v", surface.vertex(i));
-  for (const auto& n : mesh.normals) out << line("vn", n);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    out << 'v' << numbers(surface.vertex(i));
+    if (!mesh.colors.empty()) out << numbers(unitRange(mesh.colors[i]));
+    out << '\n';
+  }
+  for (const auto& n : mesh.normals) out << "vn" << numbers(n) << '\n';
   for (const auto& triangle : mesh.triangles) {
     out << 'f';
     for (std::uint32_t index : triangle) {

@@ -10,8 +10,9 @@ namespace depthscope::platform {
 
 /// Files that a surface can be handed out as.
 enum class SurfaceFormat {
-  Ply,  // binary little-endian: x y z nx ny nz confidence, triangles
-  Obj,  // text: vertices, normals, triangles
+  Ply,  // binary little-endian: x y z nx ny nz confidence [red green blue] [observations],
+        // triangles
+  Obj,  // text: vertices, with r g b (0..1) after x y z where there are colours; normals, triangles
   Stl,  // binary: triangles with their normals
 };
 

@@ -14,15 +14,18 @@ void compact(SurfaceMesh& mesh) {
   for (const Triangle& t : mesh.triangles)
     for (std::uint32_t v : t) renumbered[v] = 0;
   const bool has_confidence = mesh.confidence.size() == mesh.vertices.size();
+  const bool has_observations = mesh.observations.size() == mesh.vertices.size();
   std::uint32_t next = 0;
   for (std::size_t v = 0; v < renumbered.size(); ++v) {
     if (renumbered[v] == kUnused) continue;
     mesh.vertices[next] = mesh.vertices[v];
     if (has_confidence) mesh.confidence[next] = mesh.confidence[v];
+    if (has_observations) mesh.observations[next] = mesh.observations[v];
     renumbered[v] = next++;
   }
   mesh.vertices.resize(next);
   if (has_confidence) mesh.confidence.resize(next);
+  if (has_observations) mesh.observations.resize(next);
   for (Triangle& t : mesh.triangles)
     for (std::uint32_t& v : t) v = renumbered[v];
 }

@@ -11,18 +11,24 @@ namespace depthscope::recon {
 /// and one reader, neither of which waits. When it is full the new picture is left out.
 class PictureInbox {
  public:
-  /// Room is made for pictures of width x height, reduced by `factor`.
+  /// Room is made for pictures of width x height and their colour, luma reduced by `factor`; 0: no
+  /// luma is kept.
   PictureInbox(int width, int height, int factor) : factor_(factor) {
-    for (KeyframePicture& slot : slots_) slot.luma.reset(width / factor, height / factor);
+    const ColorReduction color(width, height);
+    for (KeyframePicture& slot : slots_) {
+      if (factor > 0) slot.luma.reset(width / factor, height / factor);
+      slot.color.reset(color.width, color.height);
+    }
   }
 
   /// Reduces the picture into the ring; false when that is full. From the writer's thread.
-  bool put(const GrayView& luma, std::int64_t frame) {
+  bool put(const GrayView& luma, const RgbView& color, std::int64_t frame) {
     const std::uint64_t next = put_.load(std::memory_order_relaxed);
     if (next - taken_.load(std::memory_order_acquire) == kSlots) return false;
     KeyframePicture& slot = slots_[next % kSlots];
     slot.frame = frame;
-    reducePicture(luma, factor_, slot.luma);
+    if (factor_ > 0) reducePicture(luma, factor_, slot.luma);
+    copyColor(color, slot.color);
     put_.store(next + 1, std::memory_order_release);
     return true;
   }
@@ -34,7 +40,9 @@ class PictureInbox {
   const KeyframePicture& front() const {
     return slots_[taken_.load(std::memory_order_relaxed) % kSlots];
   }
-  void pop() { taken_.store(taken_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
+  void pop() {
+    taken_.store(taken_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+  }
 
  private:
   static constexpr std::uint64_t kSlots = 32;  // keyframes made while one surface is worked out

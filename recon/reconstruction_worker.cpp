@@ -22,10 +22,7 @@ void lowerPriority() {
 ReconstructionWorker::ReconstructionWorker(const CameraModel& camera, const ReconSettings& settings,
                                            Listener on_finished)
     : reconstructor_(camera, settings),
-      inbox_(reconstructor_.pictureReduction() > 0
-                 ? std::make_unique<PictureInbox>(camera.width, camera.height,
-                                                  reconstructor_.pictureReduction())
-                 : nullptr),
+      inbox_(camera.width, camera.height, reconstructor_.pictureReduction()),
       on_finished_(std::move(on_finished)),
       thread_([this](const std::stop_token& stop) { loop(stop); }) {}
 
@@ -34,9 +31,9 @@ ReconstructionWorker::~ReconstructionWorker() {
   cancel();
 }
 
-bool ReconstructionWorker::addKeyframe(const GrayView& luma, std::int64_t frame) {
-  if (!inbox_) return true;
-  if (!inbox_->put(luma, frame)) return false;
+bool ReconstructionWorker::addKeyframe(const GrayView& luma, const RgbView& color,
+                                       std::int64_t frame) {
+  if (!inbox_.put(luma, color, frame)) return false;
   // The lock is not taken: a wake-up that comes between the worker's look at the inbox and its
   // sleep is made up for by the next.
   wake_.notify_one();
@@ -77,9 +74,9 @@ Reconstructor& ReconstructionWorker::finish() {
 }
 
 void ReconstructionWorker::takePictures() {
-  if (!inbox_ || !inbox_->waiting()) return;
+  if (!inbox_.waiting()) return;
   const auto start = std::chrono::steady_clock::now();
-  for (; inbox_->waiting(); inbox_->pop()) reconstructor_.addKeyframe(inbox_->front());
+  for (; inbox_.waiting(); inbox_.pop()) reconstructor_.addKeyframe(inbox_.front());
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   pictures_ms_ += took.count();
 }
@@ -90,8 +87,7 @@ void ReconstructionWorker::loop(const std::stop_token& stop) {
     std::stop_token running;
     {
       std::unique_lock lock(mutex_);
-      if (!wake_.wait(lock, stop, [this] { return has_waiting_ || (inbox_ && inbox_->waiting()); }))
-        return;
+      if (!wake_.wait(lock, stop, [this] { return has_waiting_ || inbox_.waiting(); })) return;
       if (!has_waiting_) {
         lock.unlock();
         takePictures();

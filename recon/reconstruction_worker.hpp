@@ -35,9 +35,10 @@ class ReconstructionWorker {
   ReconstructionWorker(const ReconstructionWorker&) = delete;
   ReconstructionWorker& operator=(const ReconstructionWorker&) = delete;
 
-  /// Hands over the picture of a keyframe; it is copied, reduced. Neither waits nor allocates.
-  /// False when so many wait that there is no room. From one thread.
-  bool addKeyframe(const GrayView& luma, std::int64_t frame);
+  /// Hands over the picture of a keyframe, with its small colour picture (see ColorReduction); it
+  /// is copied, reduced. Neither waits nor allocates. False when so many wait that there is no
+  /// room. From one thread.
+  bool addKeyframe(const GrayView& luma, const RgbView& color, std::int64_t frame);
   /// Swaps `cloud` with the waiting request (whose storage comes back for reuse) and wakes the
   /// worker. False, and `cloud` as it was, in the rare case that the worker is at the exchange
   /// itself: ask again later.
@@ -59,8 +60,8 @@ class ReconstructionWorker {
   void deliver(ReconStatus status, double duration_ms);
 
   Reconstructor reconstructor_;
-  std::unique_ptr<PictureInbox> inbox_;  // null where pictures are not needed
-  double pictures_ms_ = 0;               // spent on them since the last surface
+  PictureInbox inbox_;
+  double pictures_ms_ = 0;  // spent on them since the last surface
   Listener on_finished_;
 
   std::mutex mutex_;  // guards what follows, held for swaps only

@@ -13,6 +13,7 @@
 #include "recon/mls_smoothing.hpp"
 #include "recon/point_filters.hpp"
 #include "recon/poisson_surface.hpp"
+#include "recon/surface_painter.hpp"
 #include "recon/surface_trimming.hpp"
 #include "types/error.hpp"
 
@@ -52,6 +53,7 @@ void check(const ReconSettings& s) {
   requireRange("trim_distance", s.trim_distance, 0.1, 20);
   requireRange("trim_max_spacing", s.trim_max_spacing, 1, 20);
   requireRange("min_island_area", s.min_island_area, 0, 1e6);
+  requireRange("color_pictures", s.color_pictures, 1, 1000);
   requireRange("full_confidence_support", s.full_confidence_support, 0.1, 1e6);
 }
 
@@ -77,6 +79,7 @@ Reconstructor::Reconstructor(const CameraModel& camera, const ReconSettings& set
     : settings_(settings) {
   const MemoryScope metered(memory_);
   check(settings_);
+  painter_ = std::make_unique<SurfacePainter>(camera, settings_.color_pictures);
   if (settings_.method == ReconSettings::Method::Dense) {
     reduction_ = reductionFactor(camera.width, settings_.dense.picture_width);
     dense_ = std::make_unique<DenseReconstructor>(camera, settings_.dense);
@@ -90,6 +93,7 @@ Reconstructor::~Reconstructor() = default;
 void Reconstructor::addKeyframe(const KeyframePicture& picture) noexcept {
   const MemoryScope metered(memory_);
   try {
+    painter_->addKeyframe(picture);
     if (dense_) dense_->addKeyframe(picture);
   } catch (const std::exception&) {
     // Out of memory: surfaces go on without this keyframe.
@@ -107,6 +111,7 @@ ReconStatus Reconstructor::reconstruct(const SparseCloud& cloud, SurfaceMesh& ou
     if (status == ReconStatus::TooFewPoints) status = sparse(cloud, mesh, stop);
     if (status != ReconStatus::Ok) return status;
     mesh.map_id = cloud.map_id;
+    painter_->paint(cloud, mesh);
     compareWithLast(mesh, cloud);
     mesh.version = ++version_;
     out = std::move(mesh);

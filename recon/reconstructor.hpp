@@ -14,6 +14,7 @@
 namespace depthscope::recon {
 
 class DenseReconstructor;
+class SurfacePainter;
 struct KeyframePicture;
 
 /// The tissue surface, by the method of the settings. Sparse: from the map points alone; radius
@@ -27,15 +28,15 @@ class Reconstructor {
   Reconstructor(const CameraModel& camera, const ReconSettings& settings);
   ~Reconstructor();
 
-  /// Keeps a keyframe's picture for the surfaces to come, where the method needs it: reduced by
-  /// pictureReduction(). Does not throw.
+  /// Keeps a keyframe's picture for the surfaces to come: its colour, and its luma where the method
+  /// needs it, reduced by pictureReduction(). Does not throw.
   void addKeyframe(const KeyframePicture& picture) noexcept;
-  /// The factor by which pictures are to be reduced; 0: none are needed.
+  /// The factor by which luma is to be reduced; 0: none is needed.
   int pictureReduction() const { return reduction_; }
 
-  /// Fills `out` (world frame of the cloud; normals towards the cameras). On any status but Ok
-  /// `out` is left as it was. Does not throw. Stops within about a stage's time when `stop` is
-  /// requested.
+  /// Fills `out` (world frame of the cloud; normals towards the cameras; colours as far as there
+  /// are pictures). On any status but Ok `out` is left as it was. Does not throw. Stops within
+  /// about a stage's time when `stop` is requested.
   ReconStatus reconstruct(const SparseCloud& cloud, SurfaceMesh& out,
                           std::stop_token stop = {}) noexcept;
 
@@ -57,8 +58,9 @@ class Reconstructor {
   ReconSettings settings_;
   int reduction_ = 0;
   std::unique_ptr<DenseReconstructor> dense_;  // null for the sparse method
-  std::uint32_t version_ = 0;                  // of the last surface made
-  SurfaceMesh last_;                           // its vertices
+  std::unique_ptr<SurfacePainter> painter_;
+  std::uint32_t version_ = 0;  // of the last surface made
+  SurfaceMesh last_;           // its vertices
   SurfaceChange change_;
 };
 

@@ -17,6 +17,7 @@ constexpr int kSupportNeighbours = 8;  // support points a vertex is judged by
 struct VertexSupport {
   bool within = false;                               // near enough to a support point
   float confidence = 0;                              // 0..1
+  float observations = 0;                            // of the nearest support point
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // of the support around it, not unit
 };
 
@@ -37,6 +38,7 @@ std::vector<VertexSupport> judgeVertices(const SurfaceMesh& mesh,
     query.getVector3fMap() = mesh.vertices[v];
     const int n = tree.nearestKSearch(query, kSupportNeighbours, found, squared);
     float evidence = 0;
+    if (n > 0) out[v].observations = (*support)[static_cast<std::size_t>(found[0])].curvature;
     for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
       const auto i = static_cast<std::size_t>(found[k]);
       const float reach = static_cast<float>(settings.trim_distance) * local[i];
@@ -78,6 +80,11 @@ void trimToSupport(SurfaceMesh& mesh, const SupportCloud::ConstPtr& support, flo
   mesh.confidence.resize(mesh.vertices.size());
   std::transform(judged.begin(), judged.end(), mesh.confidence.begin(),
                  [](const VertexSupport& s) { return s.confidence; });
+  mesh.observations.resize(mesh.vertices.size());
+  std::transform(judged.begin(), judged.end(), mesh.observations.begin(),
+                 [](const VertexSupport& s) {
+                   return static_cast<std::uint16_t>(std::lround(s.observations));
+                 });
   dropSmallIslands(mesh, static_cast<float>(settings.min_island_area) * spacing * spacing);
   computeNormals(mesh);
 }

@@ -36,7 +36,8 @@ ArProcess::ArProcess(ArOptions options)
       live_(options_.camera, options_.settings.slam, &options_.settings.recon),
       labels_({}),
       picture_(static_cast<std::size_t>(options_.camera.width) *
-               static_cast<std::size_t>(options_.camera.height)) {
+               static_cast<std::size_t>(options_.camera.height)),
+      color_(memory_.colorSize().pixels()) {
   reserve(surface_, memory_.capacity());
   const slam::SlamMemory memory = live_.slam().memory();
   status_.keyframe_capacity = options_.settings.slam.capacity.keyframes;
@@ -86,9 +87,11 @@ void ArProcess::reset() {
 }
 
 void ArProcess::handlePicture() {
-  if (!frames_.takeNewest(picture_, picture_info_)) return;
+  if (!frames_.takeNewest(picture_, color_, picture_info_)) return;
   const int width = options_.camera.width, height = options_.camera.height;
-  estimate_ = live_.track({picture_.data(), width, height, width}, picture_info_.frame,
+  const ColorReduction color = memory_.colorSize();
+  estimate_ = live_.track({picture_.data(), width, height, width},
+                          {color_.data(), color.width, color.height}, picture_info_.frame,
                           picture_info_.timestamp_s);
   memory_.block().pose.write(encodePose(estimate_));
   memory_.block().new_pose.ring();

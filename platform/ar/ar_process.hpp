@@ -38,6 +38,7 @@ class ArProcess {
   PoseEstimate estimate_;
   WireFrameInfo picture_info_{};
   std::vector<std::uint8_t> picture_;
+  std::vector<Rgb> color_;
   Histogram track_ms_;
   WireArStatus status_{};
 };

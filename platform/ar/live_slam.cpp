@@ -26,13 +26,14 @@ void LiveSlam::reconstructed(const recon::ReconReport& report) {
   reconstruct_ms_.add(report.duration_ms);
 }
 
-PoseEstimate LiveSlam::track(const GrayView& luma, std::int64_t frame, double timestamp_s) {
+PoseEstimate LiveSlam::track(const GrayView& luma, const RgbView& color, std::int64_t frame,
+                             double timestamp_s) {
   PoseEstimate estimate;
   {
     const AllocationScope counted;
     estimate = slam_.track(luma, frame, timestamp_s);
     view_changed_ |= view_.add(slam_.view(), timestamp_s);
-    if (worker_ && slam_.madeKeyframe()) worker_->addKeyframe(luma, frame);
+    if (worker_ && slam_.madeKeyframe()) worker_->addKeyframe(luma, color, frame);
   }
   if (estimate.map_id != map_id_) {
     if (worker_) worker_->cancel();

@@ -19,8 +19,10 @@ class LiveSlam {
   LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam,
            const recon::ReconSettings* recon);
 
-  /// Tracks one picture and asks for a surface when one is due. From one thread.
-  PoseEstimate track(const GrayView& luma, std::int64_t frame, double timestamp_s);
+  /// Tracks one picture and asks for a surface when one is due; `color` is for surfaces (see
+  /// ColorReduction). From one thread.
+  PoseEstimate track(const GrayView& luma, const RgbView& color, std::int64_t frame,
+                     double timestamp_s);
   /// The next tracked frame asks for a surface. From the tracking thread.
   void requestSurface() { surface_wanted_ = true; }
   /// A new surface this often [s], from now on; 0: on demand only. From the tracking thread.

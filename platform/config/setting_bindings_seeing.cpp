@@ -140,6 +140,8 @@ void bindRecon(SettingBinder& b, recon::ReconSettings& s) {
   b.live(false);
   b.choice("method", s.method, {"sparse", "dense"},
            "from map points alone, or from the pictures of keyframes");
+  b.number("color_pictures", s.color_pictures, 1, 1000,
+           "keyframes kept for the colour of surfaces");
   b.number("min_points", s.min_points, 10, 1000000,
            "fewer after the filters: no surface is attempted");
   b.number("max_points", s.max_points, 100, 1000000,

@@ -8,6 +8,7 @@ namespace depthscope::platform {
 
 ArLink::ArLink(const SharedMemory& memory, float max_age_ms)
     : memory_(memory), max_age_ms_(max_age_ms), frames_(memory), surfaces_(memory) {
+  color_.resize(memory.colorSize().pixels());
   reserve(surface_, memory.capacity());
   labels_.reserve(max_wire_labels);
   for (std::size_t i = 0; i < max_wire_labels; ++i)
@@ -33,7 +34,9 @@ void ArLink::publish(const capture::Frame& frame, std::vector<std::uint8_t>& gra
   }
   const auto index = static_cast<std::int64_t>(frame.sequence);
   published_.add(index, frame.capture_time);
-  frames_.publish(luma, {index, frame.media_time_s});
+  capture::toReducedRgb(frame, color_);
+  const ColorReduction size = memory_.colorSize();
+  frames_.publish(luma, {color_.data(), size.width, size.height}, {index, frame.media_time_s});
 }
 
 /// The map ids of another process mean other maps.

@@ -76,6 +76,7 @@ class ArLink {
   WireView wire_view_{};
   ViewOutline view_;
   std::vector<Label> labels_;
+  std::vector<Rgb> color_;  // of the picture that is given out
   SurfaceMesh surface_;
 };
 

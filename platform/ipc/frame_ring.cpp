@@ -4,10 +4,13 @@
 
 namespace depthscope::platform {
 
-void FrameRingWriter::publish(const GrayView& luma, const WireFrameInfo& info) {
+void FrameRingWriter::publish(const GrayView& luma, const RgbView& color,
+                              const WireFrameInfo& info) {
   const SharedCapacity& c = memory_.capacity();
+  const ColorReduction reduced = memory_.colorSize();
   if (luma.empty() || luma.width != static_cast<int>(c.width) ||
-      luma.height != static_cast<int>(c.height))
+      luma.height != static_cast<int>(c.height) || color.empty() || color.width != reduced.width ||
+      color.height != reduced.height)
     return;
   const auto slot = static_cast<std::uint32_t>(published_ % ring_slots);
   SharedBlock::FrameSlot& head = memory_.block().frames[slot];
@@ -29,22 +32,27 @@ void FrameRingWriter::publish(const GrayView& luma, const WireFrameInfo& info) {
       if (i % 8 == 7 || i + 1 == total) seqlock::store(to + i / 8, word, i % 8 + 1);
     }
   }
+  seqlock::store(memory_.color(slot), color.data, reduced.pixels() * sizeof(Rgb));
   seqlock::endWrite(head.count);
   memory_.block().frames_published.store(++published_, std::memory_order_release);
   memory_.block().new_frame.ring();
 }
 
-bool FrameRingReader::takeNewest(std::span<std::uint8_t> pixels, WireFrameInfo& info) {
+bool FrameRingReader::takeNewest(std::span<std::uint8_t> pixels, std::span<Rgb> color,
+                                 WireFrameInfo& info) {
   const SharedCapacity& c = memory_.capacity();
   const std::size_t bytes = static_cast<std::size_t>(c.width) * c.height;
   const std::uint64_t published = memory_.block().frames_published.load(std::memory_order_acquire);
-  if (published == 0 || published == seen_ || pixels.size() < bytes) return false;
+  const std::size_t color_pixels = memory_.colorSize().pixels();
+  if (published == 0 || published == seen_ || pixels.size() < bytes || color.size() < color_pixels)
+    return false;
   const auto slot = static_cast<std::uint32_t>((published - 1) % ring_slots);
   const SharedBlock::FrameSlot& head = memory_.block().frames[slot];
   const std::uint64_t before = seqlock::beginRead(head.count);
   WireFrameInfo read;
   seqlock::load(&read, head.info, sizeof read);
   seqlock::load(pixels.data(), memory_.pixels(slot), bytes);
+  seqlock::load(color.data(), memory_.color(slot), color_pixels * sizeof(Rgb));
   if (before == 0 || !seqlock::endRead(head.count, before))
     return false;  // a newer one is there or on its way
   if (published > seen_ + 1) skipped_ += published - seen_ - 1;

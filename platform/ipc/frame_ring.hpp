@@ -7,13 +7,14 @@
 
 namespace depthscope::platform {
 
-/// Puts luma pictures into the ring, and rings; the oldest is overwritten. Never waits or
+/// Puts pictures into the ring, luma and the small colour picture that goes with it, and rings; the
+/// oldest is overwritten. Never waits or
 /// allocates.
 class FrameRingWriter {
  public:
   explicit FrameRingWriter(const SharedMemory& memory) : memory_(memory) {}
-  /// The picture has the ring's size; other sizes are left out.
-  void publish(const GrayView& luma, const WireFrameInfo& info);
+  /// Both have the ring's size; other sizes are left out.
+  void publish(const GrayView& luma, const RgbView& color, const WireFrameInfo& info);
 
  private:
   const SharedMemory& memory_;
@@ -25,9 +26,10 @@ class FrameRingWriter {
 class FrameRingReader {
  public:
   explicit FrameRingReader(const SharedMemory& memory) : memory_(memory) {}
-  /// Copies the newest picture, rows packed, into `pixels` (width * height bytes). False when there
-  /// is none that was not taken before, or it was overwritten meanwhile.
-  bool takeNewest(std::span<std::uint8_t> pixels, WireFrameInfo& info);
+  /// Copies the newest picture, rows packed, into `pixels` (width * height bytes) and `color` (of
+  /// SharedMemory::colorSize()). False when there is none that was not taken before, or it was
+  /// overwritten meanwhile.
+  bool takeNewest(std::span<std::uint8_t> pixels, std::span<Rgb> color, WireFrameInfo& info);
   /// Pictures that were published but never taken.
   std::uint64_t skipped() const { return skipped_; }
 

@@ -15,7 +15,7 @@ namespace depthscope::platform {
 namespace {
 
 constexpr std::uint64_t magic = 0x65706f6373687470;  // "pthscope"
-constexpr std::uint32_t layout_version = 3;
+constexpr std::uint32_t layout_version = 4;
 constexpr int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
 // Bounds that no honest capacity exceeds and that keep sizes far from overflow.
 constexpr std::uint32_t max_side_px = 16384;
@@ -25,8 +25,15 @@ std::size_t aligned(std::size_t bytes) {
   return (bytes + 63) / 64 * 64;
 }
 
-std::size_t pictureBytes(const SharedCapacity& c) {
+std::size_t lumaBytes(const SharedCapacity& c) {
   return aligned(static_cast<std::size_t>(c.width) * c.height);
+}
+std::size_t colorBytes(const SharedCapacity& c) {
+  return aligned(ColorReduction(static_cast<int>(c.width), static_cast<int>(c.height)).pixels() *
+                 sizeof(Rgb));
+}
+std::size_t pictureBytes(const SharedCapacity& c) {
+  return lumaBytes(c) + colorBytes(c);
 }
 std::size_t vectorBytes(const SharedCapacity& c) {
   return aligned(static_cast<std::size_t>(c.max_vertices) * 12);
@@ -34,11 +41,18 @@ std::size_t vectorBytes(const SharedCapacity& c) {
 std::size_t scalarBytes(const SharedCapacity& c) {
   return aligned(static_cast<std::size_t>(c.max_vertices) * 4);
 }
+std::size_t observationBytes(const SharedCapacity& c) {
+  return aligned(static_cast<std::size_t>(c.max_vertices) * sizeof(std::uint16_t));
+}
+std::size_t meshColorBytes(const SharedCapacity& c) {
+  return aligned(static_cast<std::size_t>(c.max_vertices) * sizeof(Rgb));
+}
 std::size_t triangleBytes(const SharedCapacity& c) {
   return aligned(static_cast<std::size_t>(c.max_triangles) * 12);
 }
 std::size_t surfaceBytes(const SharedCapacity& c) {
-  return 2 * vectorBytes(c) + scalarBytes(c) + triangleBytes(c);
+  return 2 * vectorBytes(c) + scalarBytes(c) + observationBytes(c) + meshColorBytes(c) +
+         triangleBytes(c);
 }
 std::size_t picturesOffset() {
   return aligned(sizeof(SharedBlock));
@@ -126,13 +140,25 @@ seqlock::Word* SharedMemory::pixels(std::uint32_t slot) const {
   return reinterpret_cast<seqlock::Word*>(base);
 }
 
+seqlock::Word* SharedMemory::color(std::uint32_t slot) const {
+  return pixels(slot) + lumaBytes(capacity_) / sizeof(seqlock::Word);
+}
+
 SurfaceArrays SharedMemory::surface(std::uint32_t slot) const {
   auto* base = reinterpret_cast<std::byte*>(block_) + surfacesOffset(capacity_) +
                slot * surfaceBytes(capacity_);
-  const auto words = [](std::byte* at) { return reinterpret_cast<seqlock::Word*>(at); };
-  return {words(base), words(base + vectorBytes(capacity_)),
-          words(base + 2 * vectorBytes(capacity_)),
-          words(base + 2 * vectorBytes(capacity_) + scalarBytes(capacity_))};
+  const auto take = [&](std::size_t bytes) {
+    auto* words = reinterpret_cast<seqlock::Word*>(base);
+    base += bytes;
+    return words;
+  };
+  const SharedCapacity& c = capacity_;
+  return {.vertices = take(vectorBytes(c)),
+          .normals = take(vectorBytes(c)),
+          .confidence = take(scalarBytes(c)),
+          .observations = take(observationBytes(c)),
+          .colors = take(meshColorBytes(c)),
+          .triangles = take(triangleBytes(c))};
 }
 
 }  // namespace depthscope::platform

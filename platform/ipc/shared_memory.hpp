@@ -7,19 +7,20 @@
 #include "platform/ipc/seqlock.hpp"
 #include "platform/ipc/wire.hpp"
 #include "platform/unique_fd.hpp"
+#include "types/color.hpp"
 
 namespace depthscope::platform {
 
 /// What the shared memory has room for; fixed when it is made.
 struct SharedCapacity {
-  std::uint32_t width = 0, height = 0;  // [px] of the luma pictures
+  std::uint32_t width = 0, height = 0;  // [px] of the luma pictures; colour: ColorReduction
   std::uint32_t max_vertices = 0, max_triangles = 0;
   bool operator==(const SharedCapacity&) const = default;
 };
 
 inline constexpr std::uint32_t ring_slots = 4;
 
-/// A luma picture in the ring, and what belongs to it.
+/// What belongs to a picture in the ring.
 struct WireFrameInfo {
   std::int64_t frame;
   double timestamp_s;
@@ -27,6 +28,7 @@ struct WireFrameInfo {
 
 struct WireSurfaceInfo {
   std::uint32_t map_id, version, vertices, triangles;
+  std::uint32_t observations, colors;  // as many as vertices, or none
 };
 
 /// The part of the shared memory whose size does not depend on the capacity.
@@ -55,7 +57,7 @@ struct SharedBlock {
 
 /// Where one surface's arrays lie.
 struct SurfaceArrays {
-  seqlock::Word *vertices, *normals, *confidence, *triangles;
+  seqlock::Word *vertices, *normals, *confidence, *observations, *colors, *triangles;
 };
 
 /// One sealed memfd, mapped: a SharedBlock, the ring's pictures, two surfaces. Who makes it decides
@@ -76,6 +78,11 @@ class SharedMemory {
   SharedBlock& block() const { return *block_; }
   /// Pixels of a ring slot, rows packed.
   seqlock::Word* pixels(std::uint32_t slot) const;
+  /// The small colour picture that belongs to it, rows packed.
+  seqlock::Word* color(std::uint32_t slot) const;
+  ColorReduction colorSize() const {
+    return {static_cast<int>(capacity_.width), static_cast<int>(capacity_.height)};
+  }
   SurfaceArrays surface(std::uint32_t slot) const;
   std::size_t bytes() const { return bytes_; }
 

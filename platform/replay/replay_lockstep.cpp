@@ -31,7 +31,7 @@ class LockstepReplay {
     for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty();
          frame = nextFrame(options_, clip_)) {
       const PoseEstimate estimate = track(frame);
-      if (reconstructor_ && slam_.madeKeyframe()) keepPicture(lumaOf(frame), estimate.frame);
+      if (reconstructor_ && slam_.madeKeyframe()) keepPicture(frame, estimate.frame);
       reconstructWhenDue(estimate);
       show(frame, estimate);
       ++frames;
@@ -57,11 +57,15 @@ class LockstepReplay {
     return {gray_.data(), options_.camera.width, options_.camera.height, options_.camera.width};
   }
 
-  void keepPicture(const GrayView& luma, std::int64_t frame) {
-    if (reconstructor_->pictureReduction() == 0) return;
+  void keepPicture(const capture::Frame& frame, std::int64_t number) {
+    const GrayView luma = lumaOf(frame);
     const Stopwatch watch;
-    picture_.frame = frame;
-    recon::reducePicture(luma, reconstructor_->pictureReduction(), picture_.luma);
+    picture_.frame = number;
+    if (const int factor = reconstructor_->pictureReduction(); factor > 0)
+      recon::reducePicture(luma, factor, picture_.luma);
+    const ColorReduction color(luma.width, luma.height);
+    picture_.color.reset(color.width, color.height);
+    capture::toReducedRgb(frame, picture_.color.cells);
     reconstructor_->addKeyframe(picture_);
     result_.record.metrics().pictures_ms += watch.elapsedMs();
   }

@@ -15,6 +15,8 @@ class RealtimeReplay {
         labels_(options.labels),
         gray_(static_cast<std::size_t>(options.camera.width) *
               static_cast<std::size_t>(options.camera.height)),
+        color_size_(options.camera.width, options.camera.height),
+        color_(color_size_.pixels()),
         tracking_(options.camera, slamSettings(options, clip),
                   options.surface ? &options.settings.recon : nullptr, clip.frameCapacity()) {}
 
@@ -38,7 +40,9 @@ class RealtimeReplay {
       capture::toGray(frame, gray_);
       luma = {gray_.data(), options_.camera.width, options_.camera.height, options_.camera.width};
     }
-    tracking_.offer(luma, static_cast<std::int64_t>(frame.sequence), clip_.time(frame.sequence));
+    capture::toReducedRgb(frame, color_);
+    tracking_.offer(luma, {color_.data(), color_size_.width, color_size_.height},
+                    static_cast<std::int64_t>(frame.sequence), clip_.time(frame.sequence));
   }
 
   void show(const capture::Frame& frame) {
@@ -74,6 +78,8 @@ class RealtimeReplay {
   OverlayRecorder* recorder_;
   LabelBoard labels_;
   std::vector<std::uint8_t> gray_;
+  ColorReduction color_size_;
+  std::vector<Rgb> color_;
   SurfaceMesh surface_;
   ViewOutline view_;
   Histogram composite_ms_;

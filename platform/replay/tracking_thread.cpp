@@ -9,6 +9,7 @@ TrackingThread::TrackingThread(const CameraModel& camera, const slam::SlamSettin
                                const recon::ReconSettings* recon, std::int64_t expected_frames)
     : width_(camera.width),
       height_(camera.height),
+      color_size_(camera.width, camera.height),
       live_(camera, slam, recon),
       record_(expected_frames) {
   waiting_.pixels.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
@@ -24,12 +25,14 @@ TrackingThread::~TrackingThread() {
   if (thread_.joinable()) thread_.join();
 }
 
-void TrackingThread::offer(const GrayView& luma, std::int64_t frame, double timestamp_s) {
+void TrackingThread::offer(const GrayView& luma, const RgbView& color, std::int64_t frame,
+                           double timestamp_s) {
   const std::lock_guard lock(mutex_);
   if (error_) std::rethrow_exception(error_);
   for (int y = 0; y < height_; ++y)
     std::copy_n(luma.row(y), width_,
                 waiting_.pixels.data() + static_cast<std::ptrdiff_t>(y) * width_);
+  waiting_.color.assign(color.data, color.data + color_size_.pixels());
   waiting_.frame = frame;
   waiting_.timestamp_s = timestamp_s;
   has_waiting_ = true;
@@ -77,8 +80,10 @@ void TrackingThread::loop() {
       std::swap(picture, waiting_);
       has_waiting_ = false;
     }
-    const PoseEstimate estimate = live_.track({picture.pixels.data(), width_, height_, width_},
-                                              picture.frame, picture.timestamp_s);
+    const PoseEstimate estimate =
+        live_.track({picture.pixels.data(), width_, height_, width_},
+                    {picture.color.data(), color_size_.width, color_size_.height}, picture.frame,
+                    picture.timestamp_s);
     record_.add(estimate, live_.slam().lastTimes());
     const bool new_surface = live_.takeSurface(mesh);
     const std::lock_guard lock(mutex_);

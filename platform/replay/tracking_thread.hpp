@@ -18,8 +18,9 @@ class TrackingThread {
                  const recon::ReconSettings* recon, std::int64_t expected_frames);
   ~TrackingThread();
 
-  /// Copies the picture. Throws what stopped the thread, if something did.
-  void offer(const GrayView& luma, std::int64_t frame, double timestamp_s);
+  /// Copies the picture; `color` is its small colour picture (see ColorReduction). Throws what
+  /// stopped the thread, if something did.
+  void offer(const GrayView& luma, const RgbView& color, std::int64_t frame, double timestamp_s);
   /// What is known after the newest tracked picture.
   PoseEstimate newest() const;
   /// Swaps the newest surface into `mesh` if there is a new one.
@@ -36,6 +37,7 @@ class TrackingThread {
  private:
   struct Picture {
     std::vector<std::uint8_t> pixels;
+    std::vector<Rgb> color;
     std::int64_t frame = -1;
     double timestamp_s = 0;
   };
@@ -43,6 +45,7 @@ class TrackingThread {
   void loop();
 
   int width_, height_;
+  ColorReduction color_size_;
   LiveSlam live_;
   RunRecord record_;
   mutable std::mutex mutex_;  // guards what follows

@@ -21,8 +21,8 @@ class DenseReconstructor {
 
   /// Keeps a keyframe's picture, reduced by reductionFactor(camera width, picture_width).
   void addKeyframe(const KeyframePicture& picture);
-  /// Fills vertices, normals, confidence and triangles of `mesh` (at most `max_triangles`). `mesh`
-  /// is of no use on any status but Ok.
+  /// Fills vertices, normals, confidence, observations and triangles of `mesh` (at most
+  /// `max_triangles`). `mesh` is of no use on any status but Ok.
   ReconStatus reconstruct(const SparseCloud& cloud, int max_triangles, SurfaceMesh& mesh,
                           const std::stop_token& stop);
 

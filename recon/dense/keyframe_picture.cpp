@@ -8,6 +8,13 @@ int reductionFactor(int width, int wanted) {
   return std::max(1, static_cast<int>(std::lround(static_cast<double>(width) / wanted)));
 }
 
+void copyColor(const RgbView& color, Grid<Rgb>& out) {
+  out.width = color.width;
+  out.height = color.height;
+  out.cells.assign(color.data,
+                   color.data + static_cast<std::ptrdiff_t>(color.width) * color.height);
+}
+
 void reducePicture(const GrayView& luma, int factor, Grid<std::uint8_t>& out) {
   out.width = luma.width / factor;
   out.height = luma.height / factor;

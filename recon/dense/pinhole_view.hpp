@@ -24,6 +24,8 @@ class PinholeView {
 
   /// Level 0 is the finest.
   const PinholeLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
+  /// Where a pixel of the finest level lies in the reduced picture [px]; negative: nowhere.
+  const Eigen::Vector2f& source(int x, int y) const { return source_.at(x, y); }
   /// Bends a reduced picture into the view; 0 where the lens does not see. `out` keeps its storage.
   void rectify(const Grid<std::uint8_t>& reduced, Grid<std::uint8_t>& out) const;
 

@@ -103,6 +103,7 @@ class SurfaceNets {
         static_cast<std::int32_t>(mesh_.vertices.size());
     mesh_.vertices.push_back((cell + sum / static_cast<float>(crossings)) * volume_.voxelSize());
     mesh_.confidence.push_back(sure);
+    mesh_.observations.push_back(static_cast<std::uint16_t>(std::lround(views)));
   }
 
   /// Grows with the views that saw the place, and falls where they disagree: tissue that moved, or

@@ -255,5 +255,52 @@ TEST(Convert, LeavesABufferThatIsTooSmallAlone) {
   EXPECT_EQ(rgba[0], 77);
 }
 
+TEST(ToReducedRgb, IsTheMeanOfARunInTheMiddleOfEachSquare) {
+  const Frame frame = makeFrame({PixelFormat::Rgb24, 484, 361});  // reduced by 3, edges cut off
+  for (int y = 0; y < 361; ++y)
+    for (int x = 0; x < 484; ++x)
+      for (int c = 0; c < 3; ++c)
+        at(frame, 0, 3 * x + c, y) = static_cast<std::uint8_t>((x * (c + 1) + 5 * y) % 250);
+  const ColorReduction size(484, 361);
+  ASSERT_EQ(size.factor, 3);
+  ASSERT_EQ(size.width, 161);
+  ASSERT_EQ(size.height, 120);
+  const std::vector<std::uint8_t> whole = rgbaOf(frame);
+  std::vector<depthscope::Rgb> out(size.pixels());
+  toReducedRgb(frame, out);
+  for (const auto& [x, y] : {std::pair{0, 0}, {7, 11}, {160, 119}})
+    for (int c = 0; c < 3; ++c) {
+      int sum = 0;
+      for (int i = 0; i < 3; ++i)
+        sum += whole[static_cast<std::size_t>(((3 * y + 1) * 484 + 3 * x + i) * 4 + c)];
+      EXPECT_EQ(out[static_cast<std::size_t>(y * 161 + x)][static_cast<std::size_t>(c)],
+                (sum + 1) / 3);
+    }
+}
+
+TEST(ToReducedRgb, HasTheColoursOfTheWholePictureInEveryFormat) {
+  for (int f = 0; f < kPixelFormats - 1; ++f) {
+    const Frame frame = makeFrame({static_cast<PixelFormat>(f), 320, 240, YuvMatrix::Bt709});
+    for (int p = 0; p < planeCount(frame.format.pixel_format); ++p) {
+      const PlaneSize plane = planeSize(frame.format, p);
+      for (int y = 0; y < plane.rows; ++y)
+        for (int x = 0; x < plane.row_bytes; ++x)
+          at(frame, p, x, y) = static_cast<std::uint8_t>(80 + 30 * p + 20 * (x % 4));
+    }
+    const std::vector<std::uint8_t> whole = rgbaOf(frame);
+    std::vector<depthscope::Rgb> out(ColorReduction(320, 240).pixels());
+    toReducedRgb(frame, out);
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(out[0][c], (whole[4 * 320 + c] + whole[4 * 320 + 4 + c]) / 2, 1) << f;
+  }
+}
+
+TEST(ToReducedRgb, LeavesWhatIsTooSmallAlone) {
+  std::vector<depthscope::Rgb> out(3, {1, 2, 3});
+  toReducedRgb(makeFrame({PixelFormat::Gray8, 16, 16}), out);
+  toReducedRgb(Frame(), out);
+  EXPECT_EQ(out[2], (depthscope::Rgb{1, 2, 3}));
+}
+
 }  // namespace
 }  // namespace depthscope::capture

@@ -223,6 +223,9 @@ TEST_F(DaemonRun, MeasuresTheScaleOfItsMapAndExportsMillimetres) {
     return tool({"export", file}).status == 0 &&
            readFile(file).find("in mm, scale: ") != std::string::npos;
   });
+  const fs::path colored = folder_.path() / "tissue.ply";
+  ASSERT_EQ(tool({"export", colored}).status, 0);
+  EXPECT_THAT(readFile(colored), HasSubstr("property uchar red\n"));
   EXPECT_EQ(ask("reset"), "");
   const auto after = waitFor([](const auto& s) { return s["scale"] == "up to scale"; });
   EXPECT_TRUE(after["mm_per_unit"].is_null());

@@ -1,6 +1,7 @@
 // The main job on the sample clip, against ground truth: the figures of the paper are the least.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -106,6 +107,27 @@ TEST_F(SampleReplay, KnowsItsScaleFromAKnownLength) {
   EXPECT_LT(std::abs(measured - truth), 3 * metrics_["mm_per_unit_uncertainty"].get<double>());
   const std::string header = readFile(run() / "surface.ply").substr(0, 200);
   EXPECT_NE(header.find("in map units, scale: "), std::string::npos) << header;
+}
+
+TEST_F(SampleReplay, TheSurfaceHasTheColoursOfTheVideo) {
+  const std::string ply = readFile(run() / "surface.ply");
+  const std::size_t body = ply.find("end_header\n") + 11;
+  EXPECT_NE(ply.substr(0, body).find("property uchar red\n"), std::string::npos);
+  EXPECT_NE(ply.substr(0, body).find("property ushort observations\n"), std::string::npos);
+  const std::string element = "element vertex ";
+  const int vertices = std::stoi(ply.substr(ply.find(element) + element.size()));
+  constexpr std::size_t stride = 33, color_at = 28;
+  std::array<double, 3> mean{};
+  int black = 0;
+  for (int v = 0; v < vertices; ++v) {
+    const char* color = ply.data() + body + static_cast<std::size_t>(v) * stride + color_at;
+    for (std::size_t c = 0; c < 3; ++c) mean[c] += static_cast<std::uint8_t>(color[c]);
+    black += color[0] == 0 && color[1] == 0 && color[2] == 0;
+  }
+  EXPECT_EQ(black, 0);
+  // Liver, fat and bowel under a white light.
+  EXPECT_GT(mean[0], 1.2 * mean[1]);
+  EXPECT_GT(mean[0], 1.2 * mean[2]);
 }
 
 TEST_F(SampleReplay, AllocatesNothingOnceTheMapIsThere) {

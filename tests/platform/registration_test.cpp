@@ -17,7 +17,11 @@ constexpr milliseconds exact_bound{27 + 2 + 1};
 class PacedTracker final : public fake::FakeFile {
  public:
   PacedTracker(const SharedMemory& memory, fake::FakeKernel& system)
-      : memory_(memory), system_(system), frames_(memory), pixels_(160 * 120) {}
+      : memory_(memory),
+        system_(system),
+        frames_(memory),
+        pixels_(160 * 120),
+        color_(memory.colorSize().pixels()) {}
 
   short events() override {
     work();
@@ -40,7 +44,7 @@ class PacedTracker final : public fake::FakeFile {
       memory_.block().pose.write(encodePose(pose));
       memory_.block().new_pose.ring();
     }
-    if (busy_ || stopped || !frames_.takeNewest(pixels_, info_)) return;
+    if (busy_ || stopped || !frames_.takeNewest(pixels_, color_, info_)) return;
     busy_ = true;
     due_ = system_.now() + takes;
   }
@@ -53,6 +57,7 @@ class PacedTracker final : public fake::FakeFile {
   fake::FakeKernel& system_;
   FrameRingReader frames_;
   std::vector<std::uint8_t> pixels_;
+  std::vector<Rgb> color_;
   WireFrameInfo info_{};
   bool busy_ = false;
   Time due_{};

@@ -49,12 +49,17 @@ TEST(SharedMemory, RegionsLieInsideAndApart) {
                                     reinterpret_cast<const char*>(&m.block()));
   };
   std::vector<std::pair<std::size_t, std::size_t>> regions{{0, sizeof(SharedBlock)}};
-  for (std::uint32_t i = 0; i < ring_slots; ++i) regions.emplace_back(at(m.pixels(i)), 64 * 48);
+  for (std::uint32_t i = 0; i < ring_slots; ++i) {
+    regions.emplace_back(at(m.pixels(i)), 64 * 48);
+    regions.emplace_back(at(m.color(i)), 64 * 48 * 3);  // too small to be reduced
+  }
   for (std::uint32_t i = 0; i < 2; ++i) {
     const SurfaceArrays a = m.surface(i);
     regions.emplace_back(at(a.vertices), 1200);
     regions.emplace_back(at(a.normals), 1200);
     regions.emplace_back(at(a.confidence), 400);
+    regions.emplace_back(at(a.observations), 200);
+    regions.emplace_back(at(a.colors), 300);
     regions.emplace_back(at(a.triangles), 2400);
   }
   for (std::size_t i = 0; i + 1 < regions.size(); ++i)

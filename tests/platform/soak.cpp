@@ -99,7 +99,11 @@ CameraModel boxCamera() {
 class ArPlayer {
  public:
   explicit ArPlayer(SimulatedBox& box)
-      : box_(box), frames_(box.memory), surfaces_(box.memory), pixels_(box_width * box_height) {
+      : box_(box),
+        frames_(box.memory),
+        surfaces_(box.memory),
+        pixels_(box_width * box_height),
+        color_(box.memory.colorSize().pixels()) {
     constexpr std::uint32_t n = 8;
     for (std::uint32_t r = 0; r <= n; ++r)
       for (std::uint32_t c = 0; c <= n; ++c) {
@@ -119,7 +123,7 @@ class ArPlayer {
     ++turns_;
     box_.link.setAlive(turns_ % cycle_turns > 100);
     WireFrameInfo info;
-    if (!frames_.takeNewest(pixels_, info)) return;
+    if (!frames_.takeNewest(pixels_, color_, info)) return;
     PoseEstimate pose;
     pose.frame = info.frame;
     pose.state = TrackingState::Tracking;
@@ -135,6 +139,7 @@ class ArPlayer {
   FrameRingReader frames_;
   SurfaceMailboxWriter surfaces_;
   std::vector<std::uint8_t> pixels_;
+  std::vector<Rgb> color_;
   SurfaceMesh mesh_;
   std::uint64_t turns_ = 0;
 };

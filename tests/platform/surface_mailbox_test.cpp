@@ -20,6 +20,8 @@ SurfaceMesh strip(std::uint32_t version, std::size_t vertices) {
   mesh.vertices.assign(vertices, Eigen::Vector3f(value, value, value));
   mesh.normals.assign(vertices, Eigen::Vector3f(0, 0, -1));
   mesh.confidence.assign(vertices, 1.0f / (1 + value));
+  mesh.observations.assign(vertices, static_cast<std::uint16_t>(version));
+  mesh.colors.assign(vertices, Rgb{static_cast<std::uint8_t>(version), 2, 3});
   for (std::uint32_t i = 0; i + 2 < vertices; ++i) mesh.triangles.push_back({i, i + 1, i + 2});
   return mesh;
 }
@@ -39,9 +41,26 @@ TEST(SurfaceMailbox, HandsOverTheNewestOnce) {
     EXPECT_EQ(mesh.vertices, expected.vertices);
     EXPECT_EQ(mesh.normals, expected.normals);
     EXPECT_EQ(mesh.confidence, expected.confidence);
+    EXPECT_EQ(mesh.observations, expected.observations);
+    EXPECT_EQ(mesh.colors, expected.colors);
     EXPECT_EQ(mesh.triangles, expected.triangles);
     EXPECT_EQ(reader.takeNewest(mesh), Result::Nothing);
   }
+}
+
+TEST(SurfaceMailbox, ASurfaceMayHaveNoColours) {
+  const SharedMemory memory = SharedMemory::create({8, 8, 50, 60});
+  SurfaceMailboxReader reader(memory);
+  SurfaceMesh mesh;
+  ASSERT_TRUE(SurfaceMailboxWriter(memory).publish(strip(1, 20)));
+  ASSERT_EQ(reader.takeNewest(mesh), Result::Taken);
+  SurfaceMesh plain = strip(2, 20);
+  plain.colors.clear();
+  plain.observations.clear();
+  ASSERT_TRUE(SurfaceMailboxWriter(memory).publish(plain));
+  ASSERT_EQ(reader.takeNewest(mesh), Result::Taken);
+  EXPECT_TRUE(mesh.colors.empty());
+  EXPECT_TRUE(mesh.observations.empty());
 }
 
 TEST(SurfaceMailbox, RefusesWhatHasNoRoomOrDoesNotMatch) {
@@ -53,6 +72,9 @@ TEST(SurfaceMailbox, RefusesWhatHasNoRoomOrDoesNotMatch) {
   EXPECT_FALSE(writer.publish(mesh));
   mesh = strip(1, 20);
   mesh.normals.pop_back();
+  EXPECT_FALSE(writer.publish(mesh));
+  mesh = strip(1, 20);
+  mesh.colors.pop_back();
   EXPECT_FALSE(writer.publish(mesh));
 }
 
@@ -91,10 +113,13 @@ TEST(SurfaceMailbox, RejectsUnsoundMeshes) {
 TEST(SurfaceMailbox, RejectsCountsBeyondTheCapacity) {
   const SharedMemory memory = SharedMemory::create({8, 8, 50, 60});
   SurfaceMailboxWriter(memory).publish(strip(1, 20));
-  const WireSurfaceInfo lie{1, 1, 51, 10};
-  seqlock::store(memory.block().surfaces[1].info, &lie, sizeof lie);
-  SurfaceMesh mesh;
-  EXPECT_EQ(SurfaceMailboxReader(memory).takeNewest(mesh), Result::Rejected);
+  for (const WireSurfaceInfo lie :
+       {WireSurfaceInfo{1, 1, 51, 10, 0, 0}, WireSurfaceInfo{1, 1, 20, 61, 0, 0},
+        WireSurfaceInfo{1, 1, 20, 10, 21, 20}, WireSurfaceInfo{1, 1, 20, 10, 20, 0xFFFFFFFF}}) {
+    seqlock::store(memory.block().surfaces[1].info, &lie, sizeof lie);
+    SurfaceMesh mesh;
+    EXPECT_EQ(SurfaceMailboxReader(memory).takeNewest(mesh), Result::Rejected);
+  }
 }
 
 TEST(SurfaceMailbox, AWriterThatDiedWithinAWriteLeavesNothingToTake) {
@@ -120,12 +145,17 @@ TEST(SurfaceMailbox, ReadersSurviveGarbage) {
     for (std::uint32_t s = 0; s < 2; ++s) {
       block.surfaces[s].count.store(random());
       const auto small = [&] { return static_cast<std::uint32_t>(random() % 70); };
-      const WireSurfaceInfo info{1, 1, i % 3 == 0 ? static_cast<std::uint32_t>(random()) : small(),
-                                 small()};
+      const WireSurfaceInfo info{1,
+                                 1,
+                                 i % 3 == 0 ? static_cast<std::uint32_t>(random()) : small(),
+                                 small(),
+                                 i % 2 == 0 ? 0 : small(),
+                                 0};
       seqlock::store(block.surfaces[s].info, &info, sizeof info);
       const SurfaceArrays a = memory.surface(s);
-      for (seqlock::Word* array : {a.vertices, a.normals, a.confidence, a.triangles})
-        for (int k = 0; k < 25; ++k) array[k].store(random() & 0x3FFFFFFF3FFFFFFF);
+      for (seqlock::Word* array :
+           {a.vertices, a.normals, a.confidence, a.observations, a.colors, a.triangles})
+        for (int k = 0; k < 12; ++k) array[k].store(random() & 0x3FFFFFFF3FFFFFFF);
     }
     if (reader.takeNewest(mesh) == Result::Taken) {
       ++taken;

@@ -51,6 +51,24 @@ TEST(SurfaceWriter, WritesObjThatCountsFromOne) {
   EXPECT_TRUE(text.ends_with("\nf 1//1 3//3 2//2\n"));
 }
 
+TEST(SurfaceWriter, WritesColoursAndObservationsWhereThereAreAny) {
+  SurfaceMesh mesh = triangle();
+  mesh.colors = {{255, 0, 51}, {1, 2, 3}, {4, 5, 6}};
+  mesh.observations = {7, 300, 9};
+  const std::string ply = written(mesh, SurfaceFormat::Ply);
+  EXPECT_NE(ply.find("property float confidence\nproperty uchar red\nproperty uchar green\n"
+                     "property uchar blue\nproperty ushort observations\nelement face"),
+            std::string::npos);
+  const std::size_t body = ply.find("end_header\n") + 11;
+  ASSERT_EQ(ply.size(), body + 3 * 33 + 13);
+  EXPECT_EQ(static_cast<std::uint8_t>(ply[body + 28]), 255);
+  std::uint16_t seen = 0;
+  std::memcpy(&seen, ply.data() + body + 33 + 31, sizeof seen);
+  EXPECT_EQ(seen, 300);
+  EXPECT_NE(written(mesh, SurfaceFormat::Obj).find("\nv 0 0 1 1 0 0.2\n"), std::string::npos);
+  EXPECT_EQ(written(triangle(), SurfaceFormat::Ply).find("red"), std::string::npos);
+}
+
 TEST(SurfaceWriter, WritesStlWithTheTrianglesNormals) {
   SurfaceMesh mesh = triangle();
   mesh.vertices = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};

@@ -41,6 +41,11 @@ TEST(DenseReconstructor, FindsAHill) {
   EXPECT_LT(error(mesh, hill), 0.01);  // 0.25 % of the distance
   ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
   ASSERT_EQ(mesh.confidence.size(), mesh.vertices.size());
+  ASSERT_EQ(mesh.observations.size(), mesh.vertices.size());
+  for (std::uint16_t seen : mesh.observations) {
+    ASSERT_GE(seen, 1);
+    ASSERT_LE(seen, 6);
+  }
   for (const auto& n : mesh.normals) ASSERT_GT(n.z(), 0.3f);  // towards the cameras
   for (const auto& t : mesh.triangles)
     ASSERT_GE((mesh.vertices[t[1]] - mesh.vertices[t[0]])

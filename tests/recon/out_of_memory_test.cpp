@@ -90,6 +90,8 @@ TEST(OutOfMemory, KeepsTheOldSurfaceOfPicturesToo) {
   reconstructor.addKeyframe(scene.pictures.front());
   allocations_until_failure = -1;
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, mesh), ReconStatus::Ok);
+  ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
+  EXPECT_EQ(mesh.colors.front(), (Rgb{120, 60, 50}));
 }
 
 }  // namespace

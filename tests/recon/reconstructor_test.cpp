@@ -29,6 +29,8 @@ TEST(Reconstructor, FindsAPlane) {
   const SurfaceMesh mesh = reconstructed(heightCloud(flat, 40, 0.01f));
   ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
   ASSERT_EQ(mesh.confidence.size(), mesh.vertices.size());
+  ASSERT_EQ(mesh.observations.size(), mesh.vertices.size());
+  EXPECT_TRUE(mesh.colors.empty());
   EXPECT_EQ(mesh.map_id, 7u);
   EXPECT_GT(area(mesh), 3.6);  // the square,
   EXPECT_LT(area(mesh), 5.8);  // with a rim of at most two spacings

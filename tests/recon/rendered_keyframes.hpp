@@ -49,6 +49,8 @@ inline RenderedKeyframes renderKeyframes(Height height, int count,
     KeyframePicture picture;
     picture.frame = 10 * k;
     picture.luma.reset(c.width, c.height);
+    const ColorReduction color(c.width, c.height);
+    picture.color.reset(color.width, color.height, Rgb{120, 60, 50});
     for (int y = 0; y < c.height; ++y)
       for (int x = 0; x < c.width; ++x) {
         const Eigen::Vector3d ray((x - c.cx) / c.fx, -(y - c.cy) / c.fy, -1);

@@ -101,11 +101,26 @@ TEST(TrimToSupport, GivesLessConfidenceWhereFewerPointsAre) {
   EXPECT_LT(outside, 0.7f);
 }
 
+TEST(TrimToSupport, CountsTheKeyframesThatSawTheNearestPoint) {
+  SurfaceMesh mesh = sheet(20);
+  auto points = support(21, [](int, int) { return true; });
+  auto counted = std::make_shared<SupportCloud>(*points);
+  for (auto& p : *counted) p.curvature = p.x < 10 ? 3 : 11;
+  trimToSupport(mesh, counted, 1.f, {});
+  ASSERT_EQ(mesh.observations.size(), mesh.vertices.size());
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    EXPECT_EQ(mesh.observations[v], mesh.vertices[v].x() < 9.5f ? 3 : 11) << v;
+}
+
 TEST(DropSmallIslands, KeepsTheMainPieceAndRenumbers) {
   SurfaceMesh mesh = sheet(2, 5);  // the island comes first, so that renumbering matters
   append(mesh, sheet(10));
+  mesh.observations.assign(mesh.vertices.size(), 1);
+  mesh.observations.back() = 7;
   dropSmallIslands(mesh, 20.f);
   EXPECT_EQ(mesh.vertices.size(), 121u);
+  ASSERT_EQ(mesh.observations.size(), 121u);
+  EXPECT_EQ(mesh.observations.back(), 7);
   EXPECT_EQ(mesh.triangles.size(), 200u);
   for (const auto& t : mesh.triangles)
     for (auto v : t) EXPECT_LT(v, 121u);

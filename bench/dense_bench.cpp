@@ -2,16 +2,16 @@
 #include <benchmark/benchmark.h>
 
 #include "recon/dense/dense_reconstructor.hpp"
-#include "tests/recon/rendered_keyframes.hpp"
+#include "tests/recon/rendered_views.hpp"
 
 namespace depthscope::recon {
 namespace {
 
 constexpr int kTriangles = 100000;
 
-const RenderedKeyframes& scene() {
-  static const RenderedKeyframes rendered =
-      renderKeyframes([](float x, float y) { return 0.4f * std::exp(-2 * (x * x + y * y)); }, 12);
+const RenderedViews& scene() {
+  static const RenderedViews rendered =
+      renderViews([](float x, float y) { return 0.4f * std::exp(-2 * (x * x + y * y)); }, 12);
   return rendered;
 }
 
@@ -27,7 +27,7 @@ void makeDepthMap(benchmark::State& state) {
   const PinholeView view(scene().camera, 1);
   std::vector<RectifiedPicture> pictures(4);
   std::vector<DepthSource> sources;
-  const auto& poses = scene().cloud.keyframes_T_camera_world;
+  const auto& poses = scene().cloud.views_T_camera_world;
   for (std::size_t k = 0; k < pictures.size(); ++k) {
     rectify(scene().pictures[k].luma, view, settings, DepthEstimator::kRadius, pictures[k]);
     if (k > 0) sources.push_back({&pictures[k], poses[k] * poses[0].inverse()});
@@ -39,7 +39,7 @@ void makeDepthMap(benchmark::State& state) {
   }
   DepthEstimator estimator(view, settings);
   DepthMap out;
-  for (auto _ : state) estimator.estimate(pictures[0], sources, seeds, out, {});
+  for (auto _ : state) estimator.estimate(pictures[0], sources, seeds, 1, out, {});
 }
 BENCHMARK(makeDepthMap)->Unit(benchmark::kMillisecond);
 
@@ -47,9 +47,9 @@ BENCHMARK(makeDepthMap)->Unit(benchmark::kMillisecond);
 void fuseTwelve(benchmark::State& state) {
   DenseSettings settings;
   settings.new_depth_maps = 12;
-  settings.wanted_cover = 12;
+  settings.min_motion = 0.01;
   DenseReconstructor reconstructor(scene().camera, settings);
-  for (const KeyframePicture& picture : scene().pictures) reconstructor.addKeyframe(picture);
+  for (const ViewPicture& picture : scene().pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   (void)reconstructor.reconstruct(scene().cloud, kTriangles, mesh, {});
   for (auto _ : state) (void)reconstructor.reconstruct(scene().cloud, kTriangles, mesh, {});

@@ -17,8 +17,8 @@ void ColorGallery::add(std::int64_t frame, const Grid<Rgb>& color) {
   slot.frame = frame;
 }
 
-void ColorGallery::update(const std::vector<std::int64_t>& keyframe_frames) {
-  frames_ = keyframe_frames;
+void ColorGallery::update(const std::vector<std::int64_t>& view_frames) {
+  frames_ = view_frames;
   std::sort(frames_.begin(), frames_.end());
 }
 

@@ -2,12 +2,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "recon/dense/keyframe_picture.hpp"
+#include "recon/dense/view_picture.hpp"
 
 namespace depthscope::recon {
 
-/// Small colour pictures of keyframes, in a fixed number of slots. When these are full, the picture
-/// goes whose keyframe the last cloud no longer has; else the one whose neighbours in time are
+/// Small colour pictures of views, in a fixed number of slots. When these are full, the picture
+/// goes whose view the last cloud no longer has; else the one whose neighbours in time are
 /// nearest to each other, so that what is left stays spread over all that was seen.
 class ColorGallery {
  public:
@@ -15,9 +15,9 @@ class ColorGallery {
   ColorGallery(int pictures, const ColorReduction& size);
 
   void add(std::int64_t frame, const Grid<Rgb>& color);
-  /// Learns which keyframes the map has.
-  void update(const std::vector<std::int64_t>& keyframe_frames);
-  /// The picture of a keyframe, or null.
+  /// Learns which views the map has.
+  void update(const std::vector<std::int64_t>& view_frames);
+  /// The picture of a view, or null.
   const Grid<Rgb>* find(std::int64_t frame) const;
 
  private:

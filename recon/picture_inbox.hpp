@@ -3,11 +3,11 @@
 #include <atomic>
 #include <cstdint>
 
-#include "recon/dense/keyframe_picture.hpp"
+#include "recon/dense/view_picture.hpp"
 
 namespace depthscope::recon {
 
-/// Keyframes on their way from tracking to reconstruction: a ring of fixed capacity with one writer
+/// Views on their way from tracking to reconstruction: a ring of fixed capacity with one writer
 /// and one reader, neither of which waits. When it is full the new picture is left out.
 class PictureInbox {
  public:
@@ -15,7 +15,7 @@ class PictureInbox {
   /// luma is kept.
   PictureInbox(int width, int height, int factor) : factor_(factor) {
     const ColorReduction color(width, height);
-    for (KeyframePicture& slot : slots_) {
+    for (ViewPicture& slot : slots_) {
       if (factor > 0) slot.luma.reset(width / factor, height / factor);
       slot.color.reset(color.width, color.height);
     }
@@ -25,7 +25,7 @@ class PictureInbox {
   bool put(const GrayView& luma, const RgbView& color, std::int64_t frame) {
     const std::uint64_t next = put_.load(std::memory_order_relaxed);
     if (next - taken_.load(std::memory_order_acquire) == kSlots) return false;
-    KeyframePicture& slot = slots_[next % kSlots];
+    ViewPicture& slot = slots_[next % kSlots];
     slot.frame = frame;
     if (factor_ > 0) reducePicture(luma, factor_, slot.luma);
     copyColor(color, slot.color);
@@ -37,7 +37,7 @@ class PictureInbox {
     return put_.load(std::memory_order_acquire) != taken_.load(std::memory_order_relaxed);
   }
   /// The oldest picture, where waiting(): good until pop().
-  const KeyframePicture& front() const {
+  const ViewPicture& front() const {
     return slots_[taken_.load(std::memory_order_relaxed) % kSlots];
   }
   void pop() {
@@ -45,10 +45,10 @@ class PictureInbox {
   }
 
  private:
-  static constexpr std::uint64_t kSlots = 32;  // keyframes made while one surface is worked out
+  static constexpr std::uint64_t kSlots = 32;  // views kept while one surface is worked out
 
   int factor_;
-  std::array<KeyframePicture, kSlots> slots_;
+  std::array<ViewPicture, kSlots> slots_;
   std::atomic<std::uint64_t> put_ = 0, taken_ = 0;
 };
 

@@ -8,11 +8,11 @@ namespace depthscope::recon {
 /// length of the paper's path is given as a multiple of `spacing`: the median distance of the
 /// points of the cloud at hand to their `spacing_neighbours`-th neighbour.
 struct ReconSettings {
-  enum class Method { Sparse, Dense };  // from map points alone (paper) or keyframes' pictures
+  enum class Method { Sparse, Dense };  // from map points alone (paper) or pictures
   Method method = Method::Dense;
   DenseSettings dense;
   double period_s = 3.0;     // a new surface this often; 0: only on demand
-  int color_pictures = 128;  // keyframes whose colour is kept, 58 kB each at 640x480: 7 MB
+  int color_pictures = 128;  // views whose colour is kept, 58 kB each at 640x480: 7 MB
   int min_points = 100;      // fewer after the filters: no surface is attempted
 
   // Bounds on memory and time.

@@ -31,8 +31,8 @@ ReconstructionWorker::~ReconstructionWorker() {
   cancel();
 }
 
-bool ReconstructionWorker::addKeyframe(const GrayView& luma, const RgbView& color,
-                                       std::int64_t frame) {
+bool ReconstructionWorker::addPicture(const GrayView& luma, const RgbView& color,
+                                      std::int64_t frame) {
   if (!inbox_.put(luma, color, frame)) return false;
   // The lock is not taken: a wake-up that comes between the worker's look at the inbox and its
   // sleep is made up for by the next.
@@ -76,7 +76,7 @@ Reconstructor& ReconstructionWorker::finish() {
 void ReconstructionWorker::takePictures() {
   if (!inbox_.waiting()) return;
   const auto start = std::chrono::steady_clock::now();
-  for (; inbox_.waiting(); inbox_.pop()) reconstructor_.addKeyframe(inbox_.front());
+  for (; inbox_.waiting(); inbox_.pop()) reconstructor_.addPicture(inbox_.front());
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   pictures_ms_ += took.count();
 }

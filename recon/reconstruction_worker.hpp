@@ -35,10 +35,10 @@ class ReconstructionWorker {
   ReconstructionWorker(const ReconstructionWorker&) = delete;
   ReconstructionWorker& operator=(const ReconstructionWorker&) = delete;
 
-  /// Hands over the picture of a keyframe, with its small colour picture (see ColorReduction); it
+  /// Hands over the picture of a view, with its small colour picture (see ColorReduction); it
   /// is copied, reduced. Neither waits nor allocates. False when so many wait that there is no
   /// room. From one thread.
-  bool addKeyframe(const GrayView& luma, const RgbView& color, std::int64_t frame);
+  bool addPicture(const GrayView& luma, const RgbView& color, std::int64_t frame);
   /// Swaps `cloud` with the waiting request (whose storage comes back for reuse) and wakes the
   /// worker. False, and `cloud` as it was, in the rare case that the worker is at the exchange
   /// itself: ask again later.

@@ -90,13 +90,13 @@ Reconstructor::Reconstructor(const CameraModel& camera, const ReconSettings& set
 
 Reconstructor::~Reconstructor() = default;
 
-void Reconstructor::addKeyframe(const KeyframePicture& picture) noexcept {
+void Reconstructor::addPicture(const ViewPicture& picture) noexcept {
   const MemoryScope metered(memory_);
   try {
-    painter_->addKeyframe(picture);
-    if (dense_) dense_->addKeyframe(picture);
+    painter_->addPicture(picture);
+    if (dense_) dense_->addPicture(picture);
   } catch (const std::exception&) {
-    // Out of memory: surfaces go on without this keyframe.
+    // Out of memory: surfaces go on without this view.
   }
 }
 
@@ -126,7 +126,7 @@ ReconStatus Reconstructor::reconstruct(const SparseCloud& cloud, SurfaceMesh& ou
 void Reconstructor::compareWithLast(const SurfaceMesh& mesh, const SparseCloud& cloud) {
   constexpr float kReach = 3 * kJump;  // farther apart they are different places
   change_ = {};
-  const float depth = CloudIndex(cloud).medianDepth();
+  const float depth = CloudIndex(cloud, cloud.sightings).medianDepth();
   if (last_.map_id == mesh.map_id && depth > 0) {
     change_ = compareSurfaces(last_, mesh, kJump * depth, kReach * depth);
     change_.largest /= depth;

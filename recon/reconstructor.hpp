@@ -15,11 +15,11 @@ namespace depthscope::recon {
 
 class DenseReconstructor;
 class SurfacePainter;
-struct KeyframePicture;
+struct ViewPicture;
 
 /// The tissue surface, by the method of the settings. Sparse: from the map points alone; radius
 /// filter, voxel grid, Moving Least Squares, Poisson, trimmed to where there were observations
-/// (Chen et al. 2017, section 3). Dense: from the keyframes' pictures, see DenseReconstructor; from
+/// (Chen et al. 2017, section 3). Dense: from the views' pictures, see DenseReconstructor; from
 /// the map points for as long as too few pictures confirm one another. Deterministic: the same
 /// pictures and clouds in the same order give the same meshes.
 class Reconstructor {
@@ -28,9 +28,9 @@ class Reconstructor {
   Reconstructor(const CameraModel& camera, const ReconSettings& settings);
   ~Reconstructor();
 
-  /// Keeps a keyframe's picture for the surfaces to come: its colour, and its luma where the method
+  /// Keeps a view's picture for the surfaces to come: its colour, and its luma where the method
   /// needs it, reduced by pictureReduction(). Does not throw.
-  void addKeyframe(const KeyframePicture& picture) noexcept;
+  void addPicture(const ViewPicture& picture) noexcept;
   /// The factor by which luma is to be reduced; 0: none is needed.
   int pictureReduction() const { return reduction_; }
 

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "recon/dense/sightings.hpp"
+
 namespace depthscope::recon {
 namespace {
 
-constexpr std::size_t kMaxKeyframes = 24;
-constexpr float kMinGain = 2;    // map points' worth of a better view that a keyframe must bring
+constexpr std::size_t kMaxViews = 24;
+constexpr float kMinGain = 2;    // map points' worth of a better view that a view must bring
 constexpr int kCoarse_px = 4;    // side of the cells in which the nearest vertex hides others
 constexpr float kHidden = 1.1f;  // times its depth: farther is behind it, not beside it on a slope
 constexpr float kMinCos = 0.1f;  // of the angle to the normal: flatter tells no colour
@@ -33,19 +35,21 @@ SurfacePainter::SurfacePainter(const CameraModel& camera, int pictures)
     }
 }
 
-void SurfacePainter::addKeyframe(const KeyframePicture& picture) {
+void SurfacePainter::addPicture(const ViewPicture& picture) {
   if (picture.color.size() == size_.pixels()) gallery_.add(picture.frame, picture.color);
 }
 
 void SurfacePainter::paint(const SparseCloud& cloud, SurfaceMesh& mesh) {
   mesh.colors.clear();
-  gallery_.update(cloud.keyframe_frames);
-  const std::vector<std::size_t> keyframes = chooseKeyframes(CloudIndex(cloud));
-  if (keyframes.empty()) return;
+  if (!view_) return;
+  gallery_.update(cloud.view_frames);
+  const std::vector<std::size_t> views =
+      chooseViews(CloudIndex(cloud, sightingsOfAllViews(cloud, view_->level(0))));
+  if (views.empty()) return;
   sums_.assign(mesh.vertices.size(), {});
-  for (std::size_t k : keyframes) {
-    findVisible(cloud.keyframes_T_camera_world[k], mesh);
-    addView(cloud.keyframes_T_camera_world[k], *gallery_.find(cloud.keyframe_frames[k]), mesh);
+  for (std::size_t k : views) {
+    findVisible(cloud.views_T_camera_world[k], mesh);
+    addView(cloud.views_T_camera_world[k], *gallery_.find(cloud.view_frames[k]), mesh);
   }
   fillGaps(mesh);
   const auto channel = [](float sum, float weight) {
@@ -57,12 +61,12 @@ void SurfacePainter::paint(const SparseCloud& cloud, SurfaceMesh& mesh) {
         {channel(s.red, s.weight), channel(s.green, s.weight), channel(s.blue, s.weight)});
 }
 
-/// Again and again the keyframe that most map points are seen better from than from those chosen so
+/// Again and again the view that most map points are seen better from than from those chosen so
 /// far: by the light that reaches them there, in shares of the best that any gets.
-std::vector<std::size_t> SurfacePainter::chooseKeyframes(const CloudIndex& index) const {
+std::vector<std::size_t> SurfacePainter::chooseViews(const CloudIndex& index) const {
   std::vector<std::size_t> candidates, chosen;
-  for (std::size_t k = 0; k < index.keyframes(); ++k)
-    if (gallery_.find(index.cloud().keyframe_frames[k]) != nullptr) candidates.push_back(k);
+  for (std::size_t k = 0; k < index.views(); ++k)
+    if (gallery_.find(index.cloud().view_frames[k]) != nullptr) candidates.push_back(k);
   const auto light = [&](std::uint32_t p, std::size_t k) {
     return 1 / (index.centre(k) - index.cloud().points[p].position).squaredNorm();
   };
@@ -75,7 +79,7 @@ std::vector<std::size_t> SurfacePainter::chooseKeyframes(const CloudIndex& index
       sum += std::max(0.f, light(p, k) - reached[p]) / best[p];
     return sum;
   };
-  while (chosen.size() < kMaxKeyframes && !candidates.empty()) {
+  while (chosen.size() < kMaxViews && !candidates.empty()) {
     std::size_t next = 0;
     float most = 0;
     for (std::size_t i = 0; i < candidates.size(); ++i) {

@@ -10,20 +10,20 @@
 
 namespace depthscope::recon {
 
-/// Gives surfaces the colours of the video: those of keyframes, so that what was seen only long ago
-/// has colour, too. Each vertex gets the mean over the keyframes that see it, those most that look
+/// Gives surfaces the colours of the video: those of views, so that what was seen only long ago
+/// has colour, too. Each vertex gets the mean over the views that see it, those most that look
 /// at it straight and from near, where the scope's light is bright: weight (cos / distance^2)^2.
 /// Highlights and the dark surroundings of a round view count only where nothing else was seen.
 class SurfacePainter {
  public:
-  /// Keeps the colours of at most `pictures` keyframes.
+  /// Keeps the colours of at most `pictures` views.
   SurfacePainter(const CameraModel& camera, int pictures);
 
-  void addKeyframe(const KeyframePicture& picture);
+  void addPicture(const ViewPicture& picture);
   /// Fills `colors` of a mesh with normals, in the world frame of the cloud; leaves them empty
-  /// where there is no picture of the cloud's keyframes. A vertex that none of the chosen keyframes
+  /// where there is no picture of the cloud's views. A vertex that none of the chosen views
   /// sees has the mean colour of its neighbours in the mesh (black where these have none either).
-  /// Neither time nor memory grow with the map: at most 24 keyframes are looked at, those that see
+  /// Neither time nor memory grow with the map: at most 24 views are looked at, those that see
   /// the map points best together.
   void paint(const SparseCloud& cloud, SurfaceMesh& mesh);
 
@@ -35,7 +35,7 @@ class SurfacePainter {
     std::int32_t cell;  // of the view; negative: not seen
     float depth;        // [map unit]
   };
-  std::vector<std::size_t> chooseKeyframes(const CloudIndex& index) const;
+  std::vector<std::size_t> chooseViews(const CloudIndex& index) const;
   void findVisible(const Pose& T_camera_world, const SurfaceMesh& mesh);
   void addView(const Pose& T_camera_world, const Grid<Rgb>& color, const SurfaceMesh& mesh);
   void fillGaps(const SurfaceMesh& mesh);

@@ -16,12 +16,12 @@ constexpr int kOtherObservers = 3;       // that make an observation redundant
 constexpr double kAgeWeight = 0.1, kDistanceWeight = 0.1;
 }  // namespace
 
-MapCuller::MapCuller(const SlamSettings& settings, Map& map, Trajectory& trajectory)
+MapCuller::MapCuller(const SlamSettings& settings, Map& map, FrameRecords& records)
     : settings_(settings.mapper),
       // For what two new keyframes may add, where the capacity allows of so much.
       points_needed_(std::min(2 * settings.extractor.features, settings.capacity.map_points / 4)),
       map_(map),
-      trajectory_(trajectory) {
+      records_(records) {
   votes_.resize(settings.capacity.keyframes);
 }
 
@@ -120,9 +120,9 @@ void MapCuller::makeRoom(int slots) {
 void MapCuller::remove(KeyframeId id) {
   const KeyframeId heir = heirOf(id);
   if (heir == kNone)
-    trajectory_.drop(id);
+    records_.drop(id);
   else
-    trajectory_.rebase(map_, id, heir);
+    records_.rebase(map_, id, heir);
   map_.removeKeyframe(id);
 }
 

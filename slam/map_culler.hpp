@@ -2,8 +2,7 @@
 #include <span>
 #include <vector>
 
-#include "slam/map.hpp"
-#include "slam/trajectory.hpp"
+#include "slam/frame_records.hpp"
 
 namespace depthscope::slam {
 
@@ -11,7 +10,7 @@ namespace depthscope::slam {
 /// Locks the map's mutex.
 class MapCuller {
  public:
-  MapCuller(const SlamSettings& settings, Map& map, Trajectory& trajectory);
+  MapCuller(const SlamSettings& settings, Map& map, FrameRecords& records);
 
   /// Drops of the recently created points those that were seldom found where they should have been
   /// seen, or that too few keyframes came to see; forgets those that passed.
@@ -35,7 +34,7 @@ class MapCuller {
   MapperSettings settings_;
   int points_needed_;  // free point slots to keep
   Map& map_;
-  Trajectory& trajectory_;
+  FrameRecords& records_;
   std::vector<int> votes_;
 };
 

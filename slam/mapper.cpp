@@ -8,10 +8,11 @@
 namespace depthscope::slam {
 
 Mapper::Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map,
-               KeyframeDatabase& database, Trajectory& trajectory, MappingMode mode)
+               KeyframeDatabase& database, FrameRecords& records, MappingMode mode)
     : settings_(settings),
       map_(map),
       database_(database),
+      records_(records),
       mode_(mode),
       creator_(settings, map),
       fuser_(settings, map),
@@ -20,7 +21,7 @@ Mapper::Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map
                 settings.capacity.local_points, settings.capacity.local_points * 12),
       bundle_(settings, map, adjuster_),
       global_bundle_(settings, map, adjuster_),
-      culler_(settings, map, trajectory),
+      culler_(settings, map, records),
       recognizer_(settings, map, database),
       merger_(map, fuser_),
       loop_closer_(settings, map, merger_) {
@@ -185,6 +186,7 @@ KeyframeId Mapper::insert(const KeyframeRequest& request) {
       map_.addKeyframe(request.features, T_now_request.moved(request.T_camera_world), request.frame,
                        request.timestamp_s);
   database_.add(map_, id);
+  records_.views.becameKeyframe(map_, request.frame, id);
   for (int f = 0; f < request.features.size(); ++f) {
     const PointId p = map_.resolve(request.points[f]);
     if (p != kNone && map_.observe(p, id, f)) map_.refreshGeometry(p);

@@ -34,7 +34,7 @@ struct KeyframeRequest {
 class Mapper {
  public:
   Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map,
-         KeyframeDatabase& database, Trajectory& trajectory, MappingMode mode);
+         KeyframeDatabase& database, FrameRecords& records, MappingMode mode);
   ~Mapper();
 
   /// True if a keyframe would be taken on at once, or as soon as an adjustment of the whole map has
@@ -69,6 +69,7 @@ class Mapper {
   SlamSettings settings_;
   Map& map_;
   KeyframeDatabase& database_;
+  FrameRecords& records_;
   MappingMode mode_;
   PointCreator creator_;
   PointFuser fuser_;

@@ -35,6 +35,7 @@ struct CapacitySettings {
   int observations_per_point = 48;  // keyframes that may observe one point, 64 at most
   int local_points = 6000;          // points the tracker looks for in one frame
   int vocabulary_words = 16384;     // the built-in vocabulary has about 10000
+  int views = 128;                  // whose pictures reconstruction keeps
 };
 
 /// Descriptor matching (slam/matcher). Hamming distances are out of 256 bits, radii at level 0.
@@ -95,6 +96,9 @@ struct TrackerSettings {
   // Of the reference keyframe's points tracked: below, a new one. With 0.8 there are 1.5 to 2 times
   // as many keyframes and no better paths; with 0.6 hand-held paths got worse.
   double keyframe_ratio = 0.65;
+  // Distance over depth plus angle [rad] from all views whose pictures are kept, above which a
+  // frame's is kept, too.
+  double view_motion = 0.06;
 };
 
 /// Mapping (slam/mapper).

@@ -3,10 +3,10 @@
 #include <chrono>
 #include <mutex>
 
+#include "slam/frame_records.hpp"
 #include "slam/map.hpp"
 #include "slam/mapper.hpp"
 #include "slam/tracker.hpp"
-#include "slam/trajectory.hpp"
 
 namespace depthscope::slam {
 
@@ -16,9 +16,10 @@ struct SlamSystem::Impl {
         map(settings, camera),
         database(settings, settings.vocabulary.empty() ? Vocabulary::builtIn()
                                                        : Vocabulary::load(settings.vocabulary)),
-        trajectory(settings.trajectory_frames),
-        mapper(settings, camera, map, database, trajectory, mapping_mode),
-        tracker(camera, settings, map, database, mapper, trajectory),
+        records{Trajectory(settings.trajectory_frames),
+                ViewKeeper(settings.capacity.views, settings.tracker.view_motion)},
+        mapper(settings, camera, map, database, records, mapping_mode),
+        tracker(camera, settings, map, database, mapper, records),
         place_in_cloud(static_cast<std::size_t>(map.keyframeCapacity())) {}
 
   MappingMode mode;
@@ -27,7 +28,7 @@ struct SlamSystem::Impl {
 
   Map map;
   KeyframeDatabase database;
-  Trajectory trajectory;
+  FrameRecords records;
   Mapper mapper;
   Tracker tracker;
   StageTimes times;
@@ -53,8 +54,8 @@ PoseEstimate SlamSystem::track(const GrayView& image, std::int64_t frame, double
   return estimate;
 }
 
-bool SlamSystem::madeKeyframe() const {
-  return impl_->tracker.madeKeyframe();
+bool SlamSystem::wantsPicture() const {
+  return impl_->tracker.wantsPicture();
 }
 
 ViewOutline SlamSystem::view() const {
@@ -89,20 +90,26 @@ void SlamSystem::copyCloud(SparseCloud& out) const {
 
 void SlamSystem::copyMainCloud(SparseCloud& out) const {
   const std::lock_guard lock(impl_->map.mutex);
-  impl_->copyCloud(impl_->trajectory.mainMap(impl_->map), out);
+  impl_->copyCloud(impl_->records.trajectory.mainMap(impl_->map), out);
 }
 
 void SlamSystem::Impl::copyCloud(std::uint32_t map_id, SparseCloud& out) const {
   out.map_id = map_id;
   out.points.clear();
-  out.keyframes_T_camera_world.clear();
-  out.keyframe_frames.clear();
+  out.views_T_camera_world.clear();
+  out.view_frames.clear();
   out.sightings.clear();
   for (KeyframeId k = 0; k < map.keyframeCapacity(); ++k) {
     if (!map.keyframe(k).alive || map.keyframe(k).map_id != map_id) continue;
-    place_in_cloud[k] = static_cast<std::uint32_t>(out.keyframe_frames.size());
-    out.keyframes_T_camera_world.push_back(map.keyframe(k).T_camera_world);
-    out.keyframe_frames.push_back(map.keyframe(k).frame);
+    place_in_cloud[k] = static_cast<std::uint32_t>(out.view_frames.size());
+    out.views_T_camera_world.push_back(map.keyframe(k).T_camera_world);
+    out.view_frames.push_back(map.keyframe(k).frame);
+  }
+  out.keyframes = out.view_frames.size();
+  for (const AnchoredPose& view : records.views.poses()) {
+    if (!view.inMap(map, map_id) || map.keyframe(view.reference).frame == view.frame) continue;
+    out.views_T_camera_world.push_back(view.T_camera_world(map));
+    out.view_frames.push_back(view.frame);
   }
   for (PointId id = 0; id < map.pointEnd(); ++id) {
     const MapPoint& p = map.point(id);
@@ -125,7 +132,8 @@ void SlamSystem::Impl::copyCloud(std::uint32_t map_id, SparseCloud& out) const {
 
 std::vector<StampedPose> SlamSystem::correctedTrajectory() const {
   const std::lock_guard lock(impl_->map.mutex);
-  return impl_->trajectory.corrected(impl_->map, impl_->trajectory.mainMap(impl_->map));
+  return impl_->records.trajectory.corrected(impl_->map,
+                                             impl_->records.trajectory.mainMap(impl_->map));
 }
 
 void SlamSystem::reset() {

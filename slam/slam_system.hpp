@@ -61,9 +61,9 @@ class SlamSystem {
   /// Tracks one luma picture. `frame` grows from call to call (gaps allowed).
   PoseEstimate track(const GrayView& image, std::int64_t frame, double timestamp_s);
 
-  /// Whether the last call of track() made its frame a keyframe, or handed it to the mapper to
-  /// become one. From the thread that tracks.
-  bool madeKeyframe() const;
+  /// Whether the picture of the last call of track() is one that reconstruction should keep: of a
+  /// keyframe, or from a place that none was kept of. From the thread that tracks.
+  bool wantsPicture() const;
 
   /// The view of the scope in the last picture given to track(). From the thread that tracks.
   ViewOutline view() const;
@@ -71,8 +71,8 @@ class SlamSystem {
   StageTimes lastTimes() const;
   SlamStatistics statistics() const;
   SlamMemory memory() const;
-  /// Copies points, keyframe poses and who saw what of the active map into `out`, whose capacity is
-  /// reused.
+  /// Copies points, poses of keyframes and of other kept views, and who saw what of the active map
+  /// into `out`, whose capacity is reused.
   void copyCloud(SparseCloud& out) const;
   /// The same of the main map: the connected map that most frames were tracked in.
   void copyMainCloud(SparseCloud& out) const;

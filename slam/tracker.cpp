@@ -15,12 +15,12 @@ constexpr double kYoungMapWaits_s = 0.1;  // but a blurred picture or two do not
 }  // namespace
 
 Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& map,
-                 const KeyframeDatabase& database, Mapper& mapper, Trajectory& trajectory)
+                 const KeyframeDatabase& database, Mapper& mapper, FrameRecords& records)
     : settings_(settings.tracker),
       camera_(camera),
       map_(map),
       mapper_(mapper),
-      trajectory_(trajectory),
+      records_(records),
       extractor_(settings.extractor, camera),
       initializer_(settings, camera),
       pose_tracker_(camera, settings, map),
@@ -64,7 +64,7 @@ void Tracker::beginFrame(const GrayView& image, std::int64_t frame, double times
   current_.tracked = false;
   std::fill(current_.points.begin(), current_.points.end(), PointRef{});
   inliers_ = 0;
-  made_keyframe_ = false;
+  wants_keyframe_ = wants_picture_ = false;
 }
 
 bool Tracker::initialize() {
@@ -90,8 +90,7 @@ bool Tracker::initialize() {
   current_.inliers = inliers_;
   current_.depth = 0;
   has_motion_ = false;
-  made_keyframe_ = true;
-  recordTrajectory();
+  record(true);
   return true;
 }
 
@@ -157,7 +156,7 @@ void Tracker::startAnew() {
   if (lost_s > kYoungMapWaits_s) {
     const std::lock_guard lock(map_.mutex);
     if (map_.keyframesOf(map_.activeId()) <= kYoungMapKeyframes) {
-      trajectory_.dropMap(map_, map_.activeId());
+      records_.dropMap(map_, map_.activeId());
       map_.removeMap(map_.activeId());
     }
     if (map_.keyframeCount() == 0) state_ = TrackingState::Initializing;
@@ -171,7 +170,7 @@ void Tracker::reset() {
   mapper_.drain();
   const std::lock_guard lock(map_.mutex);
   map_.clear();
-  trajectory_.clear();
+  records_.clear();
   initializer_.reset();
   state_ = TrackingState::Initializing;
   has_motion_ = false;
@@ -190,29 +189,34 @@ void Tracker::finishTracked() {
     pose_tracker_.collectLocalMap(current_);
     reference_ = pose_tracker_.reference();
   }
-  if (reference_ != kNone) recordTrajectory();
+  if (reference_ == kNone) return;
+  wants_keyframe_ = needsKeyframe();
+  record(wants_keyframe_);
+}
+
+/// What frame this was, where, and whether its picture is kept. Map mutex held.
+void Tracker::record(bool keyframe) {
+  AnchoredPose pose;
+  pose.frame = current_.frame;
+  pose.timestamp_s = current_.timestamp_s;
+  pose.anchor(map_, reference_,
+              current_.T_camera_world * map_.keyframe(reference_).T_camera_world.inverse());
+  records_.trajectory.add(pose);
+  const double depth = current_.depth > 0 ? current_.depth : map_.medianDepth(reference_);
+  wants_picture_ = records_.views.offer(map_, pose, depth, keyframe);
 }
 
 void Tracker::offerKeyframe() {
-  if (reference_ != kNone && needsKeyframe())
-    made_keyframe_ = mapper_.submit(
-        current_.features, std::span(current_.points).first(current_.features.size()),
-        current_.T_camera_world, correction_seen_, current_.frame, current_.timestamp_s);
+  if (wants_keyframe_)
+    mapper_.submit(current_.features, std::span(current_.points).first(current_.features.size()),
+                   current_.T_camera_world, correction_seen_, current_.frame, current_.timestamp_s);
 }
 
-void Tracker::recordTrajectory() {
-  const Pose T_world_reference = map_.keyframe(reference_).T_camera_world.inverse();
-  trajectory_.add(current_.frame, current_.timestamp_s, reference_,
-                  current_.T_camera_world * T_world_reference, map_.keyframe(reference_).unit);
-}
-
+/// Map mutex held.
 bool Tracker::needsKeyframe() const {
   if (!mapper_.idle()) return false;
   int reference_points = 0;
-  {
-    const std::lock_guard lock(map_.mutex);
-    for (const PointId p : map_.keyframe(reference_).points) reference_points += p != kNone;
-  }
+  for (const PointId p : map_.keyframe(reference_).points) reference_points += p != kNone;
   return inliers_ < settings_.keyframe_ratio * reference_points;
 }
 

@@ -15,14 +15,14 @@ namespace depthscope::slam {
 class Tracker {
  public:
   Tracker(const CameraModel& camera, const SlamSettings& settings, Map& map,
-          const KeyframeDatabase& database, Mapper& mapper, Trajectory& trajectory);
+          const KeyframeDatabase& database, Mapper& mapper, FrameRecords& records);
 
   PoseEstimate track(const GrayView& image, std::int64_t frame, double timestamp_s);
   /// Forgets the map and starts to look for a new one.
   void reset();
 
-  /// Whether the last frame became a keyframe or was handed to the mapper to become one.
-  bool madeKeyframe() const { return made_keyframe_; }
+  /// Whether the last frame's picture is one to keep for reconstruction; see ViewKeeper.
+  bool wantsPicture() const { return wants_picture_; }
   ViewOutline view() const { return extractor_.fieldOfView().outline(extractor_.pyramid()); }
   double lastExtractMs() const { return extract_ms_; }
   int lostEvents() const { return lost_events_; }
@@ -39,7 +39,7 @@ class Tracker {
   void followCorrections();
   void finishTracked();
   void offerKeyframe();
-  void recordTrajectory();
+  void record(bool keyframe);
   bool needsKeyframe() const;
   PoseEstimate report();
 
@@ -47,7 +47,7 @@ class Tracker {
   CameraModel camera_;
   Map& map_;
   Mapper& mapper_;
-  Trajectory& trajectory_;
+  FrameRecords& records_;
   OrbExtractor extractor_;
   MapInitializer initializer_;
   PoseTracker pose_tracker_;
@@ -63,7 +63,7 @@ class Tracker {
   KeyframeId reference_ = kNone;  // the keyframe that shares most points with the current frame
   int inliers_ = 0;
   int lost_events_ = 0, relocalizations_ = 0;
-  bool made_keyframe_ = false;
+  bool wants_keyframe_ = false, wants_picture_ = false;
   double extract_ms_ = 0;
 };
 

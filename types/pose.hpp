@@ -45,4 +45,13 @@ struct Pose {
   bool allFinite() const { return R.allFinite() && t.allFinite(); }
 };
 
+/// How far apart two views of a scene are: distance of the cameras over its depth, plus the angle
+/// between their optical axes [rad]; roughly the share of the focal length that the picture moves
+/// by.
+inline double motionBetween(const Pose& T_a_world, const Pose& T_b_world, double depth) {
+  const double cosine = T_a_world.R.row(2).dot(T_b_world.R.row(2));
+  const double apart = (T_a_world.inverse().t - T_b_world.inverse().t).norm();
+  return apart / depth + std::acos(cosine < -1 ? -1 : cosine > 1 ? 1 : cosine);
+}
+
 }  // namespace depthscope

@@ -13,8 +13,9 @@ LiveSlam::LiveSlam(const CameraModel& camera, const slam::SlamSettings& slam,
       schedule_(recon == nullptr ? 0 : recon->period_s) {
   if (recon == nullptr) return;
   cloud_.points.reserve(static_cast<std::size_t>(slam.capacity.map_points));
-  cloud_.keyframes_T_camera_world.reserve(static_cast<std::size_t>(slam.capacity.keyframes));
-  cloud_.keyframe_frames.reserve(static_cast<std::size_t>(slam.capacity.keyframes));
+  const auto views = static_cast<std::size_t>(slam.capacity.keyframes + slam.capacity.views);
+  cloud_.views_T_camera_world.reserve(views);
+  cloud_.view_frames.reserve(views);
   worker_.emplace(camera, *recon,
                   [this](const recon::ReconReport& report) { reconstructed(report); });
 }
@@ -33,7 +34,7 @@ PoseEstimate LiveSlam::track(const GrayView& luma, const RgbView& color, std::in
     const AllocationScope counted;
     estimate = slam_.track(luma, frame, timestamp_s);
     view_changed_ |= view_.add(slam_.view(), timestamp_s);
-    if (worker_ && slam_.madeKeyframe()) worker_->addKeyframe(luma, color, frame);
+    if (worker_ && slam_.wantsPicture()) worker_->addPicture(luma, color, frame);
   }
   if (estimate.map_id != map_id_) {
     if (worker_) worker_->cancel();

@@ -16,9 +16,8 @@ void bindDense(SettingBinder& b, recon::DenseSettings& s) {
   b.number("specular_contrast", s.specular_contrast, 1, 100,
            "times the brightness around: a highlight");
   b.number("new_depth_maps", s.new_depth_maps, 1, 100, "made for one surface at most");
-  b.number("wanted_cover", s.wanted_cover, 1, 100, "depth maps that should see a map point");
-  b.number("min_novelty", s.min_novelty, 0.01, 1,
-           "share of a keyframe's points that lack them, for it to get one");
+  b.number("min_motion", s.min_motion, 0.001, 10,
+           "distance over depth plus angle [rad] from all views that have one");
   b.number("views", s.views, 1, 10, "neighbours that a keyframe is matched with");
   b.number("best_angle_deg", s.best_angle_deg, 1, 60,
            "between the lines of sight of keyframe and neighbour");
@@ -27,8 +26,7 @@ void bindDense(SettingBinder& b, recon::DenseSettings& s) {
   b.number("smoothness_small", s.smoothness_small, 0, 1000, "P1 of semi-global matching");
   b.number("smoothness_large", s.smoothness_large, 0, 1000, "P2 of semi-global matching");
   b.number("min_correlation", s.min_correlation, 0, 1, "of windows at a depth worth keeping");
-  b.number("max_relative_error", s.max_relative_error, 0.001, 1,
-           "of a depth, that a pixel of disparity makes");
+  b.number("max_error", s.max_error, 0.001, 1, "of a depth, that a pixel of disparity makes");
   b.number("agreement_views", s.agreement_views, 1, 20, "depth maps asked to confirm a depth");
   b.number("agreement_px", s.agreement_px, 0.1, 20, "[px of disparity] by which they may differ");
   b.number("voxel_size", s.voxel_size, 0.002, 0.2, "[median depth]");
@@ -74,6 +72,8 @@ void bindSlam(SettingBinder& b, slam::SlamSettings& s) {
   b.number("local_points", s.capacity.local_points, 500, 100000, "points looked for in one frame");
   b.number("vocabulary_words", s.capacity.vocabulary_words, 1, 1000000,
            "words a vocabulary may have");
+  b.number("views", s.capacity.views, 0, 4096,
+           "frames, keyframes included, whose pictures are kept for reconstruction");
 
   b.section("slam.matching");
   b.number("search_region", s.matching.search_region, 0.1, 10, "factor on all search radii");
@@ -98,6 +98,8 @@ void bindSlam(SettingBinder& b, slam::SlamSettings& s) {
            "points of such depth that a map starts with");
 
   b.section("slam.tracker");
+  b.number("view_motion", s.tracker.view_motion, 0.001, 10,
+           "distance over depth plus angle [rad] from all kept views, above which a view is kept");
   b.number("min_motion_inliers", s.tracker.min_motion_inliers, 3, 10000,
            "fewer: try the reference keyframe");
   b.number("min_inliers", s.tracker.min_inliers, 3, 10000, "fewer in the local map: lost");

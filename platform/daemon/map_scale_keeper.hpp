@@ -22,8 +22,8 @@ class MapScaleKeeper {
   /// then stays what it was.
   MapScale measure(std::string_view request);
   /// Looks up, for a fifth of a second at most, from where the picture of a snapshot was taken.
-  /// `frame` negative: it is not a picture from the scope. False when the AR process had no time for
-  /// this picture but has looked at a later one: the next may fare better.
+  /// `frame` negative: it is not a picture from the scope. False when the AR process had no time
+  /// for this picture but has looked at a later one: the next may fare better.
   bool noteSnapshot(std::int64_t frame);
   /// Another AR process has started: its maps are others, and there is no surface of it yet.
   void arStarted();

@@ -4,7 +4,7 @@
 #include "platform/replay/replay_clip.hpp"
 #include "platform/stopwatch.hpp"
 #include "platform/surface_schedule.hpp"
-#include "recon/dense/keyframe_picture.hpp"
+#include "recon/dense/view_picture.hpp"
 #include "types/allocation_scope.hpp"
 
 namespace depthscope::platform {
@@ -31,7 +31,7 @@ class LockstepReplay {
     for (capture::Frame frame = nextFrame(options_, clip_); !frame.empty();
          frame = nextFrame(options_, clip_)) {
       const PoseEstimate estimate = track(frame);
-      if (reconstructor_ && slam_.madeKeyframe()) keepPicture(frame, estimate.frame);
+      if (reconstructor_ && slam_.wantsPicture()) keepPicture(frame, estimate.frame);
       reconstructWhenDue(estimate);
       show(frame, estimate);
       ++frames;
@@ -66,7 +66,7 @@ class LockstepReplay {
     const ColorReduction color(luma.width, luma.height);
     picture_.color.reset(color.width, color.height);
     capture::toReducedRgb(frame, picture_.color.cells);
-    reconstructor_->addKeyframe(picture_);
+    reconstructor_->addPicture(picture_);
     result_.record.metrics().pictures_ms += watch.elapsedMs();
   }
 
@@ -105,7 +105,7 @@ class LockstepReplay {
   slam::SlamSystem slam_;
   std::optional<recon::Reconstructor> reconstructor_;  // none where no surface is wanted
   SteadyView view_;
-  recon::KeyframePicture picture_;
+  recon::ViewPicture picture_;
   LabelBoard labels_;
   std::vector<std::uint8_t> gray_;
   SurfaceSchedule schedule_;

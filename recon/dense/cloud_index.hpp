@@ -9,32 +9,35 @@ namespace depthscope::recon {
 /// Who sees what in a cloud, both ways. Refers to the cloud, which must stay.
 class CloudIndex {
  public:
-  explicit CloudIndex(const SparseCloud& cloud);
+  /// `sightings` point by point, in the order of the cloud's points.
+  CloudIndex(const SparseCloud& cloud, std::vector<Sighting> sightings);
 
   const SparseCloud& cloud() const { return cloud_; }
-  std::size_t keyframes() const { return cloud_.keyframe_frames.size(); }
-  /// Points that a keyframe sees.
-  std::span<const std::uint32_t> pointsOf(std::size_t keyframe) const {
-    return {points_.data() + keyframe_begin_[keyframe],
-            points_.data() + keyframe_begin_[keyframe + 1]};
+  std::size_t views() const { return cloud_.view_frames.size(); }
+  /// Points that a view sees.
+  std::span<const std::uint32_t> pointsOf(std::size_t view) const {
+    return {points_.data() + view_begin_[view], points_.data() + view_begin_[view + 1]};
   }
   /// The sightings of a point.
   std::span<const Sighting> sightingsOf(std::uint32_t point) const {
-    return {cloud_.sightings.data() + point_begin_[point],
-            cloud_.sightings.data() + point_begin_[point + 1]};
+    return {sightings_.data() + point_begin_[point], sightings_.data() + point_begin_[point + 1]};
   }
-  /// Centre of a keyframe's camera in the world.
-  const Eigen::Vector3f& centre(std::size_t keyframe) const { return centres_[keyframe]; }
-  /// Depth of a point in a keyframe's camera [map unit].
-  float depth(std::uint32_t point, std::size_t keyframe) const;
+  /// Centre of a view's camera in the world.
+  const Eigen::Vector3f& centre(std::size_t view) const { return centres_[view]; }
+  /// Depth of a point in a view's camera [map unit].
+  float depth(std::uint32_t point, std::size_t view) const;
   /// Median depth over all sightings [map unit]; 0 without any.
-  float medianDepth() const;
+  float medianDepth() const { return median_depth_; }
 
  private:
+  void measureDepth();
+
   const SparseCloud& cloud_;
-  std::vector<std::size_t> keyframe_begin_, point_begin_;
+  std::vector<Sighting> sightings_;
+  std::vector<std::size_t> view_begin_, point_begin_;
   std::vector<std::uint32_t> points_;
   std::vector<Eigen::Vector3f> centres_;
+  float median_depth_ = 0;
 };
 
 }  // namespace depthscope::recon

@@ -1,8 +1,10 @@
 #include "recon/dense/dense_reconstructor.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
+#include "recon/dense/sightings.hpp"
 #include "recon/dense/surface_nets.hpp"
 #include "recon/dense/view_selection.hpp"
 #include "recon/mesh_geometry.hpp"
@@ -34,15 +36,15 @@ DenseReconstructor::DenseReconstructor(const CameraModel& camera, const DenseSet
       store_(settings.pictures, settings.depth_maps),
       volume_(settings.max_blocks) {}
 
-void DenseReconstructor::addKeyframe(const KeyframePicture& picture) {
-  StoredKeyframe& slot = store_.claim(picture.frame);
+void DenseReconstructor::addPicture(const ViewPicture& picture) {
+  StoredView& slot = store_.claim(picture.frame);
   rectify(picture.luma, view_, settings_, DepthEstimator::kRadius, slot.picture);
   slot.frame = picture.frame;
 }
 
 ReconStatus DenseReconstructor::reconstruct(const SparseCloud& cloud, int max_triangles,
                                             SurfaceMesh& mesh, const std::stop_token& stop) {
-  const CloudIndex index(cloud);
+  const CloudIndex index(cloud, sightingsOfAllViews(cloud, view_.level(0)));
   store_.update(index);
   stored_ = store_.inOrderOf(cloud);
   const float depth = index.medianDepth();
@@ -69,68 +71,68 @@ ReconStatus DenseReconstructor::reconstruct(const SparseCloud& cloud, int max_tr
   return mesh.empty() ? ReconStatus::TooFewPoints : ReconStatus::Ok;
 }
 
-/// Works out the depth maps that are needed most.
+/// Works out depth maps of the views that are farthest from all that have one.
 ReconStatus DenseReconstructor::makeDepthMaps(const CloudIndex& index,
                                               const std::stop_token& stop) {
-  std::vector<int> covered(index.cloud().points.size(), 0);
-  std::vector<std::size_t> candidates;
-  for (std::size_t k = 0; k < stored_.size(); ++k) {
-    if (stored_[k] == nullptr) continue;
-    if (stored_[k]->depth != nullptr)
-      for (std::uint32_t p : index.pointsOf(k)) ++covered[p];
-    else if (!stored_[k]->retired)
-      candidates.push_back(k);
-  }
-  const auto novelty = [&](std::size_t k) {
-    const auto points = index.pointsOf(k);
-    const auto fresh = std::count_if(points.begin(), points.end(), [&](std::uint32_t p) {
-      return covered[p] < settings_.wanted_cover;
-    });
-    return static_cast<double>(fresh) / static_cast<double>(points.size() + 1);
+  const auto& poses = index.cloud().views_T_camera_world;
+  const double depth = index.medianDepth();
+  std::vector<double> apart(stored_.size(), std::numeric_limits<double>::max());
+  const auto has = [&](std::size_t k) {
+    for (std::size_t other = 0; other < apart.size(); ++other)
+      apart[other] = std::min(apart[other], motionBetween(poses[k], poses[other], depth));
   };
-  for (int n = 0; n < settings_.new_depth_maps && !candidates.empty(); ++n) {
-    const auto best = std::max_element(candidates.begin(), candidates.end(),
-                                       [&](auto a, auto b) { return novelty(a) < novelty(b); });
-    const std::size_t k = *best;
-    if (novelty(k) < settings_.min_novelty) break;
-    candidates.erase(best);
+  for (std::size_t k = 0; k < stored_.size(); ++k)
+    if (stored_[k] == nullptr)
+      apart[k] = 0;
+    else if (stored_[k]->depth != nullptr)
+      has(k);
+  for (int n = 0; n < settings_.new_depth_maps;) {
+    const auto farthest = std::max_element(apart.begin(), apart.end());
+    if (farthest == apart.end() || *farthest < settings_.min_motion ||
+        *farthest <= store_.worthFrom(stored_, poses, depth))
+      break;
+    const auto k = static_cast<std::size_t>(farthest - apart.begin());
     const bool found = estimateDepth(index, k, stop);
     if (stop.stop_requested()) return ReconStatus::Cancelled;
+    apart[k] = 0;
     if (!found) continue;
-    std::swap(store_.makeDepth(*stored_[k], index, stored_, covered), estimate_);
-    for (std::uint32_t p : index.pointsOf(k)) ++covered[p];
+    std::swap(store_.makeDepth(*stored_[k], stored_, poses, depth), estimate_);
+    has(k);
+    ++n;
   }
   return ReconStatus::Ok;
 }
 
 /// Fills `estimate_`.
-bool DenseReconstructor::estimateDepth(const CloudIndex& index, std::size_t keyframe,
+bool DenseReconstructor::estimateDepth(const CloudIndex& index, std::size_t view,
                                        const std::stop_token& stop) {
   const SparseCloud& cloud = index.cloud();
-  const Pose& T_reference_world = cloud.keyframes_T_camera_world[keyframe];
+  const Pose& T_reference_world = cloud.views_T_camera_world[view];
   std::vector<DepthSource> sources;
-  for (std::size_t s : selectViews(index, keyframe, settings_.views, settings_.best_angle_deg,
+  for (std::size_t s : selectViews(index, view, settings_.views, settings_.best_angle_deg,
                                    [&](std::size_t k) { return stored_[k] != nullptr; }))
     sources.push_back(
-        {&stored_[s]->picture, cloud.keyframes_T_camera_world[s] * T_reference_world.inverse()});
+        {&stored_[s]->picture, cloud.views_T_camera_world[s] * T_reference_world.inverse()});
   std::vector<DepthSeed> seeds;
-  for (std::uint32_t p : index.pointsOf(keyframe)) {
+  for (std::uint32_t p : index.pointsOf(view)) {
     const Eigen::Vector3d point = T_reference_world * cloud.points[p].position.cast<double>();
     if (point.z() > 0 && cloud.points[p].observations >= kMinSeedObservations)
       seeds.push_back({pixelOf(point, view_.level(0)), static_cast<float>(1 / point.z())});
   }
-  return estimator_.estimate(stored_[keyframe]->picture, sources, seeds, estimate_, stop);
+  return estimator_.estimate(stored_[view]->picture, sources, seeds,
+                             static_cast<float>(settings_.max_error) * index.medianDepth(),
+                             estimate_, stop);
 }
 
-/// Each depth map at its keyframe's pose, its unit of length taken from the map points it sees.
+/// Each depth map at its view's pose, its unit of length taken from the map points it sees.
 std::vector<FusedView> DenseReconstructor::placeDepthMaps(const CloudIndex& index) const {
   const SparseCloud& cloud = index.cloud();
   const PinholeLevel& level = view_.level(kDepthLevel);
   std::vector<FusedView> views;
-  std::vector<std::size_t> keyframe_of, place(index.keyframes(), index.keyframes());
+  std::vector<std::size_t> view_of, place(index.views(), index.views());
   for (std::size_t k = 0; k < stored_.size(); ++k) {
     if (stored_[k] == nullptr || stored_[k]->depth == nullptr) continue;
-    const Pose& T_camera_world = cloud.keyframes_T_camera_world[k];
+    const Pose& T_camera_world = cloud.views_T_camera_world[k];
     std::vector<float> scale;
     for (std::uint32_t p : index.pointsOf(k)) {
       const Eigen::Vector3d point = T_camera_world * cloud.points[p].position.cast<double>();
@@ -144,12 +146,12 @@ std::vector<FusedView> DenseReconstructor::placeDepthMaps(const CloudIndex& inde
     const auto middle = scale.begin() + static_cast<std::ptrdiff_t>(scale.size() / 2);
     std::nth_element(scale.begin(), middle, scale.end());
     place[k] = views.size();
-    keyframe_of.push_back(k);
+    view_of.push_back(k);
     views.push_back({stored_[k]->depth, T_camera_world, *middle, {}, {}});
   }
   for (std::size_t i = 0; i < views.size(); ++i)
     for (std::size_t k :
-         selectViews(index, keyframe_of[i], settings_.agreement_views, settings_.best_angle_deg,
+         selectViews(index, view_of[i], settings_.agreement_views, settings_.best_angle_deg,
                      [&](std::size_t c) { return place[c] < views.size(); }))
       views[i].neighbours.push_back(place[k]);
   return views;
@@ -166,6 +168,7 @@ ReconStatus DenseReconstructor::fuse(const std::vector<FusedView>& views, float 
     if (stop.stop_requested()) return ReconStatus::Cancelled;
     volume_.integrate(view, level);
   }
+  volume_.finish();
   return ReconStatus::Ok;
 }
 

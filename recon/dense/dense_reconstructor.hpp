@@ -2,15 +2,15 @@
 #include <stop_token>
 
 #include "recon/dense/depth_estimator.hpp"
-#include "recon/dense/keyframe_picture.hpp"
-#include "recon/dense/keyframe_store.hpp"
 #include "recon/dense/tsdf_volume.hpp"
+#include "recon/dense/view_picture.hpp"
+#include "recon/dense/view_store.hpp"
 #include "recon/recon_status.hpp"
 #include "types/surface_mesh.hpp"
 
 namespace depthscope::recon {
 
-/// The tissue surface from the pictures of keyframes: depth maps by multi-view stereo, each worked
+/// The tissue surface from the pictures of views: depth maps by multi-view stereo, each worked
 /// out once and kept, those that confirm each other fused into a volume of signed distances, whose
 /// zero level is the surface. Poses and the unit of length are those of the cloud at hand, so depth
 /// maps follow the map's corrections. Time and memory are bounded by the settings: depth maps made
@@ -19,8 +19,8 @@ class DenseReconstructor {
  public:
   DenseReconstructor(const CameraModel& camera, const DenseSettings& settings);
 
-  /// Keeps a keyframe's picture, reduced by reductionFactor(camera width, picture_width).
-  void addKeyframe(const KeyframePicture& picture);
+  /// Keeps a view's picture, reduced by reductionFactor(camera width, picture_width).
+  void addPicture(const ViewPicture& picture);
   /// Fills vertices, normals, confidence, observations and triangles of `mesh` (at most
   /// `max_triangles`). `mesh` is of no use on any status but Ok.
   ReconStatus reconstruct(const SparseCloud& cloud, int max_triangles, SurfaceMesh& mesh,
@@ -28,7 +28,7 @@ class DenseReconstructor {
 
  private:
   ReconStatus makeDepthMaps(const CloudIndex& index, const std::stop_token& stop);
-  bool estimateDepth(const CloudIndex& index, std::size_t keyframe, const std::stop_token& stop);
+  bool estimateDepth(const CloudIndex& index, std::size_t view, const std::stop_token& stop);
   std::vector<FusedView> placeDepthMaps(const CloudIndex& index) const;
   ReconStatus fuse(const std::vector<FusedView>& views, float voxel_size,
                    const std::stop_token& stop);
@@ -37,8 +37,8 @@ class DenseReconstructor {
   PinholeView view_;
   DepthEstimator estimator_;
   DepthMap estimate_;  // the newest, on its way into the store
-  KeyframeStore store_;
-  std::vector<StoredKeyframe*> stored_;  // of each keyframe of the cloud at hand
+  ViewStore store_;
+  std::vector<StoredView*> stored_;  // of each view of the cloud at hand
   TsdfVolume volume_;
 };
 

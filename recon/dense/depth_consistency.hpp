@@ -11,7 +11,7 @@ namespace depthscope::recon {
 struct FusedView {
   const DepthMap* map = nullptr;
   Pose T_camera_world;
-  float inverse_scale = 1;  // times the map's inverse depths: its keyframe's unit of length now
+  float inverse_scale = 1;  // times the map's inverse depths: its view's unit of length now
   std::vector<std::size_t> neighbours;  // other fused views of about the same place
   Grid<std::uint8_t> agreeing;  // of these, at each pixel; 0 also where others see through it
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "recon/dense/speckle_filter.hpp"
+#include "types/vector_clones.hpp"
 
 namespace depthscope::recon {
 namespace {
@@ -12,7 +13,7 @@ constexpr int kCoarseHypotheses = 32;  // planes over the whole range of depth
 constexpr int kFineHypotheses = 8;     // around the depth found at the level before,
 constexpr int kFinestHypotheses = 4;   // at the finest level
 /// Of the surface from the line of sight. Steeper is, where depth jumps, a bridge from near to far;
-/// tissue as steep as that is seen less steeply by another keyframe.
+/// tissue as steep as that is seen less steeply by another view.
 constexpr double kMaxTilt_deg = 75;
 constexpr int kCoarseRadius = Correlator::kSmall;  // of the windows [px]
 /// Tissue lies nearer and farther than the map points by this much, as a share of inverse depth.
@@ -36,25 +37,38 @@ float percentile(std::vector<float>& values, double share) {
   return *nth;
 }
 
-/// Median of 3 x 3.
+[[gnu::always_inline]] inline void sort(float& a, float& b) {
+  const float low = a < b ? a : b;
+  b = a < b ? b : a;
+  a = low;
+}
+
+/// Medians of 3 x 3 along a row (network of Paeth 1990), its first and last pixel left out.
+DEPTHSCOPE_CLONES
+void medianRow(int width, const float* __restrict above, const float* __restrict here,
+               const float* __restrict below, float* __restrict out) {
+  for (int x = 1; x + 1 < width; ++x) {
+    float a = above[x - 1], b = above[x], c = above[x + 1], d = here[x - 1], e = here[x],
+          f = here[x + 1], g = below[x - 1], h = below[x], i = below[x + 1];
+    sort(b, c), sort(e, f), sort(h, i), sort(a, b), sort(d, e), sort(g, h);
+    sort(b, c), sort(e, f), sort(h, i), sort(a, d), sort(f, i), sort(e, h);
+    sort(d, g), sort(b, e), sort(c, f), sort(e, h), sort(e, c), sort(g, e), sort(e, c);
+    out[x] = e;
+  }
+}
+
+/// Median of 3 x 3; the border stays as it is.
 void smooth(const Grid<float>& in, Grid<float>& out) {
-  out.reset(in.width, in.height);
-  std::array<float, 9> window;
-  for (int y = 0; y < in.height; ++y)
-    for (int x = 0; x < in.width; ++x) {
-      std::size_t n = 0;
-      for (int j = -1; j <= 1; ++j)
-        for (int i = -1; i <= 1; ++i) window[n++] = in.clamped(x + i, y + j);
-      std::nth_element(window.begin(), window.begin() + 4, window.end());
-      out.at(x, y) = window[4];
-    }
+  out = in;
+  for (int y = 1; y + 1 < in.height; ++y)
+    medianRow(in.width, in.row(y - 1), in.row(y), in.row(y + 1), out.row(y));
 }
 
 }  // namespace
 
 bool DepthEstimator::estimate(const RectifiedPicture& reference,
                               const std::vector<DepthSource>& sources,
-                              const std::vector<DepthSeed>& seeds, DepthMap& out,
+                              const std::vector<DepthSeed>& seeds, float max_error, DepthMap& out,
                               const std::stop_token& stop) {
   if (!startCoarse(seeds, sources)) return false;
   for (int l = kCoarsest; l >= 0; --l) {
@@ -68,7 +82,7 @@ bool DepthEstimator::estimate(const RectifiedPicture& reference,
     refineCentre(l - 1, std::max(wanted, volume_.step / 4));
   }
   out.precision = 1 / disparityScale(sources, view_.level(kDepthLevel));
-  keepReliable(out);
+  keepReliable(max_error, out);
   removeSpeckles(out, 2 * out.precision);
   measureSlant(out, view_.level(kDepthLevel), kMaxTilt_deg);
   return true;
@@ -154,11 +168,12 @@ void DepthEstimator::refineCentre(int finer_level, float step) {
 }
 
 /// Of 2 x 2 depths at the finest level the mean of the well correlated ones, where most are.
-void DepthEstimator::keepReliable(DepthMap& out) const {
+void DepthEstimator::keepReliable(float max_error, DepthMap& out) const {
   const PinholeLevel& level = view_.level(kDepthLevel);
   out.inverse_depth.reset(level.width, level.height);
   out.confidence.reset(level.width, level.height);
-  const float least = out.precision / static_cast<float>(settings_.max_relative_error);
+  // Depth 1 / q changes by 1 / q^2 times the change of q.
+  const float least = std::sqrt(out.precision / max_error);
   const int worst = static_cast<int>(255 * (1 - settings_.min_correlation));
   for (int y = 0; y < level.height; ++y)
     for (int x = 0; x < level.width; ++x) {

@@ -9,7 +9,7 @@
 
 namespace depthscope::recon {
 
-/// A map point as seen by the keyframe that is estimated.
+/// A map point as seen by the view that is estimated.
 struct DepthSeed {
   Eigen::Vector2f pixel;    // in the finest level of the view
   float inverse_depth = 0;  // [1 / map unit]
@@ -21,7 +21,7 @@ struct DepthSource {
   Pose T_source_reference;
 };
 
-/// Multi-view stereo of one keyframe, from coarse to fine: at the coarsest level all depths that
+/// Multi-view stereo of one view, from coarse to fine: at the coarsest level all depths that
 /// the map points span are tried, at the finer ones a few around what was found before. Buffers are
 /// kept from call to call.
 class DepthEstimator {
@@ -31,9 +31,11 @@ class DepthEstimator {
   DepthEstimator(const PinholeView& view, const DenseSettings& settings)
       : view_(view), settings_(settings) {}
 
+  /// Depths that a pixel of disparity changes by more than `max_error` [map unit] are left out.
   /// False, and `out` undefined, when `stop` is requested or there is nothing to go by.
   bool estimate(const RectifiedPicture& reference, const std::vector<DepthSource>& sources,
-                const std::vector<DepthSeed>& seeds, DepthMap& out, const std::stop_token& stop);
+                const std::vector<DepthSeed>& seeds, float max_error, DepthMap& out,
+                const std::stop_token& stop);
 
  private:
   bool level(int l, const RectifiedPicture& reference, const std::vector<DepthSource>& sources,
@@ -42,7 +44,7 @@ class DepthEstimator {
   void favourSeeds(const std::vector<DepthSeed>& seeds);
   void chooseDepths();
   void refineCentre(int finer_level, float step);
-  void keepReliable(DepthMap& out) const;
+  void keepReliable(float max_error, DepthMap& out) const;
 
   const PinholeView& view_;
   const DenseSettings& settings_;

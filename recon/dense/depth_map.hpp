@@ -9,7 +9,7 @@ namespace depthscope::recon {
 
 inline constexpr int kDepthLevel = 1;  // of the pinhole view, that depth maps have the size of
 
-/// What multi-view stereo says about a keyframe, at level `kDepthLevel` of the pinhole view.
+/// What multi-view stereo says about a view, at level `kDepthLevel` of the pinhole view.
 struct DepthMap {
   Grid<float> inverse_depth;      // along the optical axis [1 / map unit]; 0: unknown
   Grid<std::uint8_t> confidence;  // 1..255; 0: unknown

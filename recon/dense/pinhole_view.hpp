@@ -15,7 +15,7 @@ struct PinholeLevel {
   float f = 1, cx = 0, cy = 0;
 };
 
-/// The undistorted view that all keyframes are matched in: it holds what the lens shows, up to
+/// The undistorted view that all views are matched in: it holds what the lens shows, up to
 /// `kMaxTangent` from the axis, at about the resolution of the reduced picture.
 class PinholeView {
  public:

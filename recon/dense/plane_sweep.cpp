@@ -11,7 +11,7 @@ namespace {
 constexpr int kBits = 5;  // of a pixel's fraction
 constexpr int kOne = 1 << kBits;
 /// Added to the cost of a place that a single source sees: nothing confirms it.
-constexpr int kLonelyCost = 40;
+constexpr int kLonelyCost = 20;
 /// A place this near to the plane of the source's camera, as a share of its depth, is not seen.
 constexpr float kMinDepthRatio = 1e-3f;
 
@@ -95,6 +95,13 @@ void keepTwoBest(std::size_t n, const std::uint8_t* __restrict cost, std::uint8_
   }
 }
 
+/// The neighbours of the pixels that a row lies on.
+DEPTHSCOPE_CLONES
+void gatherRow(int width, const std::uint32_t* __restrict quads,
+               const std::int32_t* __restrict place, std::uint32_t* __restrict to) {
+  for (int x = 0; x < width; ++x) to[x] = quads[place[x]];
+}
+
 /// Bilinear interpolation.
 DEPTHSCOPE_CLONES
 void blendRow(int width, const std::uint32_t* __restrict quads,
@@ -159,11 +166,8 @@ void PlaneSweep::warp(const SweepSource& source, const Grid<std::uint32_t>& quad
                       volume.width, volume.height};
     std::uint8_t* usable = usable_.row(y);
     placeRow(row, volume.centre.row(y), offset, place_.data(), weights_.data(), usable);
-    for (std::size_t x = 0; x < place_.size(); ++x) {
-      const auto place = static_cast<std::size_t>(place_[x]);
-      row_quads_[x] = quads.cells[place];
-      usable[x] &= usable_there[place];
-    }
+    gatherRow(volume.width, quads.cells.data(), place_.data(), row_quads_.data());
+    for (std::size_t x = 0; x < place_.size(); ++x) usable[x] &= usable_there[place_[x]];
     blendRow(volume.width, row_quads_.data(), weights_.data(), warped_.row(y));
   }
 }

@@ -7,13 +7,13 @@
 
 namespace depthscope::recon {
 
-/// One level of a keyframe's picture in the pinhole view.
+/// One level of a view's picture in the pinhole view.
 struct RectifiedLevel {
   Grid<std::uint8_t> luma;
   Grid<std::uint8_t> usable;  // 1: the window around the pixel shows nothing but the view, else 0
 };
 
-/// A keyframe's luma in the pinhole view, as a pyramid, ready for matching. Not usable is what lies
+/// A view's luma in the pinhole view, as a pyramid, ready for matching. Not usable is what lies
 /// beyond the lens or near the edge of its round view, which stands still in the picture. Speculars
 /// are painted over with the brightness around them: they move with the light and would match
 /// falsely.

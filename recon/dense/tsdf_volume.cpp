@@ -1,7 +1,10 @@
 #include "recon/dense/tsdf_volume.hpp"
 
+#include <array>
 #include <bit>
 #include <cmath>
+
+#include "types/vector_clones.hpp"
 
 namespace depthscope::recon {
 namespace {
@@ -75,13 +78,68 @@ bool TsdfVolume::allocate(const FusedView& view, const PinholeLevel& level) {
 }
 
 void TsdfVolume::integrate(const FusedView& view, const PinholeLevel& level) {
+  prepare(view, level);
   const Eigen::Matrix3f R = view.T_camera_world.R.cast<float>();
   const Eigen::Vector3f t = view.T_camera_world.t.cast<float>();
-  for (int b = 0; b < blocks(); ++b) integrateBlock(b, view, level, R, t);
+  for (int b = 0; b < blocks(); ++b) integrateBlock(b, level, R, t);
 }
 
-void TsdfVolume::integrateBlock(int block, const FusedView& view, const PinholeLevel& level,
-                                const Eigen::Matrix3f& R, const Eigen::Vector3f& t) {
+/// What every voxel needs to know of the pixel it falls on.
+void TsdfVolume::prepare(const FusedView& view, const PinholeLevel& level) {
+  const DepthMap& map = *view.map;
+  pixels_.reset(level.width, level.height);
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    const float q = map.inverse_depth.cells[i] * view.inverse_scale;
+    Pixel& pixel = pixels_.cells[i];
+    if (!(q > 0) || view.agreeing.cells[i] == 0) continue;
+    const float slant = map.slant.cells[i];
+    // Voxels per pixel of disparity, along the normal: the standard deviation is a part of it.
+    const float deviation = map.precision * view.inverse_scale / (q * q * voxel_size_);
+    pixel.depth = 1 / q;
+    pixel.slant = slant / voxel_size_;
+    pixel.weight = slant * slant / (deviation * deviation) *
+                   static_cast<float>(map.confidence.cells[i] * view.agreeing.cells[i]);
+  }
+}
+
+namespace {
+
+/// Where the voxels of a block lie in a picture, and how deep.
+struct BlockPlaces {
+  std::array<float, TsdfVolume::kVoxels> depth;
+  std::array<std::int32_t, TsdfVolume::kVoxels> pixel;  // number of it, or -1
+};
+
+struct BlockFrame {
+  std::array<float, 3> first, dx, dy, dz;  // of the voxels' grid in the camera's frame
+};
+
+DEPTHSCOPE_CLONES
+void placeBlock(const BlockFrame& block, const PinholeLevel& level, BlockPlaces& out) {
+  constexpr int n = TsdfVolume::kSide;
+  const float f = level.f, cx = level.cx + 0.5f, cy = level.cy + 0.5f;
+  const int width = level.width, height = level.height;
+  for (int i = 0; i < TsdfVolume::kVoxels; ++i) {
+    const auto x = static_cast<float>(i % n), y = static_cast<float>(i / n % n),
+               z = static_cast<float>(i / (n * n));
+    const float px = block.first[0] + x * block.dx[0] + y * block.dy[0] + z * block.dz[0];
+    const float py = block.first[1] + x * block.dx[1] + y * block.dy[1] + z * block.dz[1];
+    const float pz = block.first[2] + x * block.dx[2] + y * block.dy[2] + z * block.dz[2];
+    const float u = f * px / pz + cx, v = f * py / pz + cy;
+    // Beyond the picture by a pixel at most is enough for what is not in it.
+    const float bu = u > 0 ? u : -1, bv = v > 0 ? v : -1;
+    const int column = static_cast<int>(bu < 32767 ? bu : 32767);
+    const int row = static_cast<int>(bv < 32767 ? bv : 32767);
+    const bool inside = (pz > 0) & (u >= 0) & (v >= 0) & (column < width) & (row < height);
+    out.depth[static_cast<std::size_t>(i)] = pz;
+    out.pixel[static_cast<std::size_t>(i)] = inside ? row * width + column : -1;
+  }
+}
+
+}  // namespace
+
+void TsdfVolume::integrateBlock(int block, const PinholeLevel& level, const Eigen::Matrix3f& R,
+                                const Eigen::Vector3f& t) {
   const Eigen::Vector3f corner = key(block).cast<float>() * (kSide * voxel_size_);
   const Eigen::Vector3f first = R * corner + t;
   const float half = static_cast<float>(kSide - 1) / 2 * voxel_size_;
@@ -93,37 +151,32 @@ void TsdfVolume::integrateBlock(int block, const FusedView& view, const PinholeL
   const float mv = level.f * middle.y() / middle.z() + level.cy;
   if (mu < -blur || mv < -blur || mu > level.width + blur || mv > level.height + blur) return;
 
-  const DepthMap& map = *view.map;
-  const float limit = truncation_ * voxel_size_;
-  const Eigen::Vector3f dx = R.col(0) * voxel_size_, dy = R.col(1) * voxel_size_,
-                        dz = R.col(2) * voxel_size_;
+  const auto array = [](const Eigen::Vector3f& v) { return std::array{v.x(), v.y(), v.z()}; };
+  BlockPlaces places;
+  placeBlock({array(first), array(R.col(0) * voxel_size_), array(R.col(1) * voxel_size_),
+              array(R.col(2) * voxel_size_)},
+             level, places);
   Voxel* voxel = voxels_.data() + static_cast<std::ptrdiff_t>(block) * kVoxels;
-  for (int k = 0; k < kSide; ++k)
-    for (int j = 0; j < kSide; ++j) {
-      Eigen::Vector3f p = first + static_cast<float>(k) * dz + static_cast<float>(j) * dy;
-      for (int i = 0; i < kSide; ++i, ++voxel, p += dx) {
-        if (p.z() <= 0) continue;
-        const float inverse = 1 / p.z();
-        const float u = level.f * p.x() * inverse + level.cx + 0.5f;
-        const float v = level.f * p.y() * inverse + level.cy + 0.5f;
-        if (!(u >= 0 && v >= 0 && u < level.width && v < level.height)) continue;
-        const int x = static_cast<int>(u), y = static_cast<int>(v);
-        const float q = map.inverse_depth.at(x, y) * view.inverse_scale;
-        const int agreeing = view.agreeing.at(x, y);
-        if (agreeing == 0) continue;
-        const float ahead = (1 / q - p.z()) * map.slant.at(x, y);
-        if (ahead < -limit) continue;
-        const float d = std::min(ahead, limit) / voxel_size_;
-        const float sharpness = q * q / (map.precision * view.inverse_scale);
-        const float w =
-            sharpness * sharpness * static_cast<float>(map.confidence.at(x, y) * agreeing);
-        const float total = voxel->weight + w, share = w / total;
-        voxel->weight = total;
-        voxel->distance += share * (d - voxel->distance);
-        voxel->squared_distance += share * (d * d - voxel->squared_distance);
-        voxel->views += ahead < limit ? 1.f : 0.f;
-      }
-    }
+  for (std::size_t i = 0; i < kVoxels; ++i, ++voxel) {
+    if (places.pixel[i] < 0) continue;
+    const Pixel& pixel = pixels_.cells[static_cast<std::size_t>(places.pixel[i])];
+    const float ahead = (pixel.depth - places.depth[i]) * pixel.slant;
+    if (pixel.weight == 0 || ahead < -truncation_) continue;
+    const float d = std::min(ahead, truncation_);
+    voxel->weight += pixel.weight;
+    voxel->distance += pixel.weight * d;
+    voxel->squared_distance += pixel.weight * d * d;
+    voxel->views += ahead < truncation_ ? 1.f : 0.f;
+  }
+}
+
+void TsdfVolume::finish() {
+  for (std::size_t i = 0; i < keys_.size() * kVoxels; ++i) {
+    Voxel& voxel = voxels_[i];
+    if (voxel.weight == 0) continue;
+    voxel.distance /= voxel.weight;
+    voxel.squared_distance /= voxel.weight;
+  }
 }
 
 std::size_t TsdfVolume::bytes() const {

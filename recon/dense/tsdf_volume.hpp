@@ -1,6 +1,5 @@
 #pragma once
 #include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <stop_token>
 #include <vector>
@@ -21,9 +20,11 @@ class TsdfVolume {
 
   struct Voxel {
     float weight = 0;
-    float distance = 0;          // mean, in voxels, positive towards the cameras
-    float squared_distance = 0;  // mean
-    float views = 0;             // that saw a surface within the truncation
+    // Means once the volume is finished, weighted sums before; in voxels, positive towards the
+    // cameras.
+    float distance = 0;
+    float squared_distance = 0;
+    float views = 0;  // that saw a surface within the truncation
   };
 
   explicit TsdfVolume(int max_blocks);
@@ -34,6 +35,8 @@ class TsdfVolume {
   bool allocate(const FusedView& view, const PinholeLevel& level);
   /// Adds a view's distances to the blocks that are there.
   void integrate(const FusedView& view, const PinholeLevel& level);
+  /// After the last view.
+  void finish();
 
   float voxelSize() const { return voxel_size_; }
   float truncation() const { return truncation_; }
@@ -50,13 +53,21 @@ class TsdfVolume {
  private:
   bool insert(const Key& key);
   std::size_t slotOf(const Key& key) const;
-  void integrateBlock(int block, const FusedView& view, const PinholeLevel& level,
-                      const Eigen::Matrix3f& R, const Eigen::Vector3f& t);
+  struct Pixel {
+    float depth = 0;   // along the optical axis [map unit]
+    float slant = 0;   // voxels along the normal by map unit of depth
+    float weight = 0;  // 0: unknown
+  };
+
+  void prepare(const FusedView& view, const PinholeLevel& level);
+  void integrateBlock(int block, const PinholeLevel& level, const Eigen::Matrix3f& R,
+                      const Eigen::Vector3f& t);
 
   float voxel_size_ = 1, truncation_ = 4;
   std::size_t capacity_;
   std::vector<Key> keys_;
   std::vector<Voxel> voxels_;
+  Grid<Pixel> pixels_;               // of the view that is integrated
   std::vector<std::int32_t> slots_;  // open addressing: block, or kNone
 };
 

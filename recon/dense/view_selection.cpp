@@ -7,7 +7,8 @@
 namespace depthscope::recon {
 namespace {
 
-constexpr float kMinShared = 12;  // points worth of score that a neighbour needs
+constexpr std::size_t kSampledPoints = 150;  // of those seen, evenly: enough to tell views apart
+constexpr float kMinShared = 12;             // points worth of score that a neighbour needs
 
 float angleBetween(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   const float cosine = a.dot(b) / (a.norm() * b.norm());
@@ -28,21 +29,25 @@ std::vector<std::size_t> selectViews(const CloudIndex& index, std::size_t refere
                                      double best_angle_deg,
                                      const std::function<bool(std::size_t)>& usable) {
   const auto best_angle = static_cast<float>(best_angle_deg * std::numbers::pi / 180);
-  std::vector<float> score(index.keyframes(), 0.f);
+  std::vector<float> score(index.views(), 0.f);
   Eigen::Vector3f middle = Eigen::Vector3f::Zero();
-  for (std::uint32_t point : index.pointsOf(reference)) {
+  const auto points = index.pointsOf(reference);
+  const std::size_t stride = 1 + points.size() / kSampledPoints;
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < points.size(); i += stride, ++seen) {
+    const std::uint32_t point = points[i];
     const Eigen::Vector3f& p = index.cloud().points[point].position;
     const Eigen::Vector3f ray = index.centre(reference) - p;
     middle += p;
     for (const Sighting& s : index.sightingsOf(point)) {
-      if (s.keyframe == reference) continue;
-      const Eigen::Vector3f other = index.centre(s.keyframe) - p;
+      if (s.view == reference) continue;
+      const Eigen::Vector3f other = index.centre(s.view) - p;
       const float near = std::min(ray.norm(), other.norm());
       const float ratio = near / std::max(ray.norm(), other.norm());
-      score[s.keyframe] += angleScore(angleBetween(ray, other), best_angle) * ratio * ratio;
+      score[s.view] += static_cast<float>(stride) *
+                       angleScore(angleBetween(ray, other), best_angle) * ratio * ratio;
     }
   }
-  const auto seen = index.pointsOf(reference).size();
   if (seen == 0) return {};
   middle /= static_cast<float>(seen);
 

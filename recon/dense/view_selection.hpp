@@ -6,7 +6,7 @@
 
 namespace depthscope::recon {
 
-/// The keyframes to match `reference` against, `count` at most, best first: they share many points
+/// The views to match `reference` against, `count` at most, best first: they share many points
 /// with it, see them at an angle near `best_angle_deg` from about the same distance, and stand
 /// apart from each other (after Goesele et al. 2007, section 4). Only those for which `usable`
 /// count.

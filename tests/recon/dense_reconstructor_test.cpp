@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "mesh_area.hpp"
-#include "rendered_keyframes.hpp"
+#include "rendered_views.hpp"
 
 namespace depthscope::recon {
 namespace {
@@ -19,9 +19,9 @@ float hill(float x, float y) {
 }
 
 /// The surface after all keyframes were handed over.
-SurfaceMesh reconstructed(const RenderedKeyframes& scene, const DenseSettings& settings = {}) {
+SurfaceMesh reconstructed(const RenderedViews& scene, const DenseSettings& settings = {}) {
   DenseReconstructor reconstructor(scene.camera, settings);
-  for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+  for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
   return mesh;
@@ -36,7 +36,7 @@ double error(const SurfaceMesh& mesh, Height height, float scale = 1) {
 }
 
 TEST(DenseReconstructor, FindsAHill) {
-  const SurfaceMesh mesh = reconstructed(renderKeyframes(hill, 6));
+  const SurfaceMesh mesh = reconstructed(renderViews(hill, 6));
   EXPECT_GT(area(mesh), 5);            // of about 4.3 x 3.2 that the cameras see together
   EXPECT_LT(error(mesh, hill), 0.01);  // 0.25 % of the distance
   ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
@@ -55,14 +55,14 @@ TEST(DenseReconstructor, FindsAHill) {
 }
 
 TEST(DenseReconstructor, LeavesAHoleWhereThereIsNoTexture) {
-  const SurfaceMesh mesh = reconstructed(
-      renderKeyframes(flat, 6, [](float x, float y) { return std::hypot(x, y) < 0.5f; }));
+  const SurfaceMesh mesh =
+      reconstructed(renderViews(flat, 6, [](float x, float y) { return std::hypot(x, y) < 0.5f; }));
   EXPECT_GT(area(mesh), 4);
   for (const auto& v : mesh.vertices) EXPECT_GT(v.head<2>().norm(), 0.35f) << v.transpose();
 }
 
 TEST(DenseReconstructor, GivesTheSameBitsTwice) {
-  const RenderedKeyframes scene = renderKeyframes(hill, 6);
+  const RenderedViews scene = renderViews(hill, 6);
   const SurfaceMesh a = reconstructed(scene), b = reconstructed(scene);
   EXPECT_EQ(a.vertices, b.vertices);
   EXPECT_EQ(a.triangles, b.triangles);
@@ -70,25 +70,43 @@ TEST(DenseReconstructor, GivesTheSameBitsTwice) {
 }
 
 TEST(DenseReconstructor, KeepsDepthMapsAndFollowsTheMapsUnitOfLength) {
-  const RenderedKeyframes scene = renderKeyframes(hill, 6);
+  const RenderedViews scene = renderViews(hill, 6);
   DenseReconstructor reconstructor(scene.camera, {});
-  for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+  for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   ASSERT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
   SparseCloud doubled = scene.cloud;
   for (auto& p : doubled.points) p.position *= 2;
-  for (auto& T : doubled.keyframes_T_camera_world) T.t *= 2;
+  for (auto& T : doubled.views_T_camera_world) T.t *= 2;
   ASSERT_EQ(reconstructor.reconstruct(doubled, kTriangles, mesh, {}), ReconStatus::Ok);
   EXPECT_LT(error(mesh, hill, 2), 0.01);
   EXPECT_GT(area(mesh), 4 * 5);
 }
 
+TEST(DenseReconstructor, SeesMoreFromViewsBetweenAndBesideKeyframes) {
+  const RenderedViews scene = renderViews(hill, 7);
+  SparseCloud cloud = scene.cloud;
+  cloud.keyframes = 3;
+  std::erase_if(cloud.sightings, [](const Sighting& s) { return s.view >= 3; });
+  SparseCloud keyframes_alone = cloud;
+  keyframes_alone.views_T_camera_world.resize(3);
+  keyframes_alone.view_frames.resize(3);
+  const auto areaFor = [&](const SparseCloud& c) {
+    DenseReconstructor reconstructor(scene.camera, {});
+    for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
+    SurfaceMesh mesh;
+    const bool ok = reconstructor.reconstruct(c, kTriangles, mesh, {}) == ReconStatus::Ok;
+    return ok ? area(mesh) : 0.f;
+  };
+  EXPECT_GT(areaFor(cloud), 1.2f * areaFor(keyframes_alone));
+}
+
 TEST(DenseReconstructor, MakesNoMoreDepthMapsAtATimeThanAllowed) {
-  const RenderedKeyframes scene = renderKeyframes(hill, 6);
+  const RenderedViews scene = renderViews(hill, 6);
   DenseSettings settings;
   settings.new_depth_maps = 1;  // a single depth map is confirmed by none
   DenseReconstructor reconstructor(scene.camera, settings);
-  for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+  for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}),
             ReconStatus::TooFewPoints);
@@ -97,15 +115,15 @@ TEST(DenseReconstructor, MakesNoMoreDepthMapsAtATimeThanAllowed) {
 }
 
 TEST(DenseReconstructor, GoesOnWhenPicturesAndDepthMapsAreFull) {
-  const RenderedKeyframes scene = renderKeyframes(hill, 8);
+  const RenderedViews scene = renderViews(hill, 8);
   DenseSettings settings;
   settings.pictures = 5;
   settings.depth_maps = 3;
   DenseReconstructor reconstructor(scene.camera, settings);
   SurfaceMesh mesh;
   SparseCloud cloud = scene.cloud;
-  for (const KeyframePicture& picture : scene.pictures) {
-    reconstructor.addKeyframe(picture);
+  for (const ViewPicture& picture : scene.pictures) {
+    reconstructor.addPicture(picture);
     (void)reconstructor.reconstruct(cloud, kTriangles, mesh, {});
   }
   EXPECT_EQ(reconstructor.reconstruct(cloud, kTriangles, mesh, {}), ReconStatus::Ok);
@@ -113,13 +131,13 @@ TEST(DenseReconstructor, GoesOnWhenPicturesAndDepthMapsAreFull) {
 }
 
 TEST(DenseReconstructor, MakesVoxelsLargerWhereTheSurfaceWouldNotFit) {
-  const RenderedKeyframes scene = renderKeyframes(flat, 6);
+  const RenderedViews scene = renderViews(flat, 6);
   DenseSettings few_blocks;
   few_blocks.max_blocks = 300;
   const std::size_t free = reconstructed(scene).triangles.size();
   EXPECT_LT(reconstructed(scene, few_blocks).triangles.size(), free * 3 / 4);
   DenseReconstructor reconstructor(scene.camera, {});
-  for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+  for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   const int limit = static_cast<int>(free / 2);
   ASSERT_EQ(reconstructor.reconstruct(scene.cloud, limit, mesh, {}), ReconStatus::Ok);
@@ -127,13 +145,13 @@ TEST(DenseReconstructor, MakesVoxelsLargerWhereTheSurfaceWouldNotFit) {
 }
 
 TEST(DenseReconstructor, NeedsPicturesAndStopsWhenAsked) {
-  const RenderedKeyframes scene = renderKeyframes(flat, 4);
+  const RenderedViews scene = renderViews(flat, 4);
   DenseReconstructor reconstructor(scene.camera, {});
   SurfaceMesh mesh;
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}),
             ReconStatus::TooFewPoints);
   EXPECT_EQ(reconstructor.reconstruct({}, kTriangles, mesh, {}), ReconStatus::TooFewPoints);
-  for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+  for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   std::stop_source source;
   source.request_stop();
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, source.get_token()),
@@ -155,13 +173,13 @@ TEST(DenseReconstructor, StopsWithinFiftyMillisecondsWhereverItIs) {
 #else
   constexpr double kSlower = 1;
 #endif
-  const RenderedKeyframes scene = renderKeyframes(hill, 8);
+  const RenderedViews scene = renderViews(hill, 8);
   clockid_t clock{};
   ASSERT_EQ(::pthread_getcpuclockid(::pthread_self(), &clock), 0);
   int cancelled = 0;
   for (double after_ms = 2;; after_ms *= 1.4) {
     DenseReconstructor reconstructor(scene.camera, {});
-    for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+    for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
     std::stop_source source;
     const double start = cpuMs(clock);
     double asked = 0;

@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <new>
 
-#include "recon/dense/keyframe_picture.hpp"
+#include "recon/dense/view_picture.hpp"
 #include "recon/reconstructor.hpp"
-#include "rendered_keyframes.hpp"
+#include "rendered_views.hpp"
 #include "synthetic_cloud.hpp"
 
 // PCL's octree holds its arrays by bare pointers: what it had when memory ran out is lost, a few
@@ -78,16 +78,16 @@ TEST(OutOfMemory, KeepsTheOldSurfaceWhereverItStrikes) {
 }
 
 TEST(OutOfMemory, KeepsTheOldSurfaceOfPicturesToo) {
-  const RenderedKeyframes scene = renderKeyframes(flat, 6);
+  const RenderedViews scene = renderViews(flat, 6);
   ReconSettings settings;
   settings.dense.new_depth_maps = 2;
   Reconstructor reconstructor(scene.camera, settings);
-  for (const KeyframePicture& picture : scene.pictures) reconstructor.addKeyframe(picture);
+  for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   ASSERT_EQ(reconstructor.reconstruct(scene.cloud, mesh), ReconStatus::Ok);
   EXPECT_GT(strikeEverywhere(reconstructor, scene.cloud, mesh), 10);
   allocations_until_failure = 0;  // a picture is left out, no more
-  reconstructor.addKeyframe(scene.pictures.front());
+  reconstructor.addPicture(scene.pictures.front());
   allocations_until_failure = -1;
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, mesh), ReconStatus::Ok);
   ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());

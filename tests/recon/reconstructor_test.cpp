@@ -159,10 +159,11 @@ TEST(Reconstructor, SurvivesAPointImmenselyFarAway) {
 TEST(Reconstructor, SaysByHowMuchTheSurfaceMoved) {
   SparseCloud cloud = heightCloud(flat, 20, 0.01f);
   for (std::uint32_t p = 0; p < cloud.points.size(); ++p) cloud.sightings.push_back({p, 0});
-  cloud.keyframe_frames = {0};
-  cloud.keyframes_T_camera_world.resize(1);
-  cloud.keyframes_T_camera_world[0].R = Eigen::Vector3d(1, -1, -1).asDiagonal();
-  cloud.keyframes_T_camera_world[0].t = {0, 0, 4};  // looks down from z = 4
+  cloud.view_frames = {0};
+  cloud.keyframes = 1;
+  cloud.views_T_camera_world.resize(1);
+  cloud.views_T_camera_world[0].R = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  cloud.views_T_camera_world[0].t = {0, 0, 4};  // looks down from z = 4
   Reconstructor reconstructor({}, sparseSettings());
   SurfaceMesh mesh;
   ASSERT_EQ(reconstructor.reconstruct(cloud, mesh), ReconStatus::Ok);

@@ -47,8 +47,8 @@ class Scene {
   template <class Color>
   void look(const Eigen::Vector3d& centre, Color&& color) {
     const ColorReduction size(camera_.width, camera_.height);
-    KeyframePicture picture;
-    picture.frame = static_cast<std::int64_t>(cloud.keyframe_frames.size());
+    ViewPicture picture;
+    picture.frame = static_cast<std::int64_t>(cloud.view_frames.size());
     picture.color.reset(size.width, size.height);
     for (int y = 0; y < size.height; ++y)
       for (int x = 0; x < size.width; ++x) {
@@ -60,8 +60,9 @@ class Scene {
     const auto k = static_cast<std::uint32_t>(picture.frame);
     Pose T_camera_world;
     T_camera_world.t = -centre;
-    cloud.keyframes_T_camera_world.push_back(T_camera_world);
-    cloud.keyframe_frames.push_back(picture.frame);
+    cloud.views_T_camera_world.push_back(T_camera_world);
+    cloud.view_frames.push_back(picture.frame);
+    ++cloud.keyframes;
     for (std::uint32_t p = 0; p < cloud.points.size(); ++p) {
       const Eigen::Vector3d seen = cloud.points[p].position.cast<double>() - centre;
       const Eigen::Vector2d pixel = camera_.project(seen);
@@ -69,11 +70,11 @@ class Scene {
           pixel.y() < camera_.height)
         cloud.sightings.push_back({p, k});
     }
-    painter_.addKeyframe(picture);
+    painter_.addPicture(picture);
   }
   void paint() {
     std::sort(cloud.sightings.begin(), cloud.sightings.end(), [](auto a, auto b) {
-      return std::pair(a.point, a.keyframe) < std::pair(b.point, b.keyframe);
+      return std::pair(a.point, a.view) < std::pair(b.point, b.view);
     });
     painter_.paint(cloud, mesh);
   }

@@ -5,7 +5,6 @@
 #include "slam/point_creator.hpp"
 #include "slam/point_fuser.hpp"
 #include "slam/relocalizer.hpp"
-#include "slam/trajectory.hpp"
 #include "tests/slam/synthetic_map.hpp"
 
 namespace depthscope::slam {
@@ -118,24 +117,30 @@ TEST(LocalBundle, DropsAWrongObservationAndKeepsThePoint) {
 TEST(MapCuller, DropsAKeyframeThatAddsNothingAndKeepsItsFrames) {
   const World world(200);
   MappedWorld m(smallSettings(), world, sidewaysPoses(6, 0.02));
-  Trajectory trajectory(10);
+  FrameRecords records{Trajectory(10), ViewKeeper(10, 1)};
   const Pose T_camera_keyframe = cameraAt({0.01, 0.02, 0}, {0, 0.01, 0});
-  trajectory.add(42, 1.4, m.keyframes[2], T_camera_keyframe);
+  AnchoredPose frame;
+  frame.frame = 42;
+  frame.anchor(m.map, m.keyframes[2], T_camera_keyframe);
+  records.trajectory.add(frame);
+  ASSERT_TRUE(records.views.offer(m.map, frame, 1, true));
   const Eigen::Vector3d before =
-      trajectory.corrected(m.map, m.map.activeId()).front().T_world_camera.t;
-  MapCuller culler(smallSettings(), m.map, trajectory);
+      records.trajectory.corrected(m.map, m.map.activeId()).front().T_world_camera.t;
+  MapCuller culler(smallSettings(), m.map, records);
   culler.cullKeyframes(std::vector<KeyframeId>{m.keyframes[2]});
   EXPECT_FALSE(m.map.keyframe(m.keyframes[2]).alive);
-  EXPECT_LT(
-      (trajectory.corrected(m.map, m.map.activeId()).front().T_world_camera.t - before).norm(),
-      1e-7);
+  const Eigen::Vector3d after =
+      records.trajectory.corrected(m.map, m.map.activeId()).front().T_world_camera.t;
+  EXPECT_LT((after - before).norm(), 1e-7);
+  const AnchoredPose& view = records.views.poses().front();
+  EXPECT_LT((view.T_camera_world(m.map).inverse().t - before).norm(), 1e-7);
 }
 
 TEST(MapCuller, KeepsAKeyframeThatAloneSeesItsPoints) {
   const World world(200);
   MappedWorld m(smallSettings(), world, sidewaysPoses(4, 1.5));
-  Trajectory trajectory(0);
-  MapCuller culler(smallSettings(), m.map, trajectory);
+  FrameRecords records{Trajectory(0), ViewKeeper(0, 1)};
+  MapCuller culler(smallSettings(), m.map, records);
   culler.cullKeyframes(std::vector<KeyframeId>{m.keyframes[0]});
   EXPECT_TRUE(m.map.keyframe(m.keyframes[0]).alive);
 }
@@ -145,8 +150,8 @@ TEST(MapCuller, MakesRoomWhenEverySlotIsTaken) {
   const SlamSettings settings = smallSettings();
   MappedWorld m(settings, world, sidewaysPoses(settings.capacity.keyframes, 0.05));
   ASSERT_EQ(m.map.freeKeyframes(), 0);
-  Trajectory trajectory(0);
-  MapCuller culler(settings, m.map, trajectory);
+  FrameRecords records{Trajectory(0), ViewKeeper(0, 1)};
+  MapCuller culler(settings, m.map, records);
   culler.makeRoom(2);
   EXPECT_EQ(m.map.freeKeyframes(), 2);
 }
@@ -155,8 +160,8 @@ TEST(MapCuller, OfEquallyRedundantKeyframesTheOldAndFarOneGoesFirst) {
   const World world(200);
   MappedWorld m(smallSettings(), world, sidewaysPoses(6, 0.02));
   const SlamSettings settings = smallSettings();
-  Trajectory trajectory(0);
-  MapCuller culler(settings, m.map, trajectory);
+  FrameRecords records{Trajectory(0), ViewKeeper(0, 1)};
+  MapCuller culler(settings, m.map, records);
   while (m.map.keyframeCount() > 5) culler.makeRoom(m.map.freeKeyframes() + 1);
   EXPECT_FALSE(m.map.keyframe(m.keyframes.front()).alive);
   EXPECT_TRUE(m.map.keyframe(m.keyframes.back()).alive);
@@ -168,8 +173,8 @@ TEST(MapCuller, PrefersAKeyframeWithoutPointsOfItsOwnToAnOlderOneThatHasSome) {
   for (const double x : {0.0, 0.02}) poses.push_back(cameraAt({x, 0, 0}, {0, 0, 0}));
   for (int i = 0; i < 5; ++i) poses.push_back(cameraAt({3 + 0.02 * i, 0, 0}, {0, 0, 0}));
   MappedWorld m(smallSettings(), world, poses);
-  Trajectory trajectory(0);
-  MapCuller culler(smallSettings(), m.map, trajectory);
+  FrameRecords records{Trajectory(0), ViewKeeper(0, 1)};
+  MapCuller culler(smallSettings(), m.map, records);
   culler.makeRoom(m.map.freeKeyframes() + 1);
   EXPECT_TRUE(m.map.keyframe(m.keyframes[0]).alive);
   EXPECT_TRUE(m.map.keyframe(m.keyframes[1]).alive);
@@ -184,8 +189,8 @@ TEST(MapCuller, DropsARecentPointThatIsSeldomFound) {
   m.map.point(recent[0].id).found = 2;
   m.map.point(recent[1].id).visible = 20;
   m.map.point(recent[1].id).found = 15;
-  Trajectory trajectory(0);
-  MapCuller culler(smallSettings(), m.map, trajectory);
+  FrameRecords records{Trajectory(0), ViewKeeper(0, 1)};
+  MapCuller culler(smallSettings(), m.map, records);
   culler.cullRecentPoints(recent, 1);
   EXPECT_EQ(m.map.resolve(recent[0]), recent[0].id);  // the survivor moved to the front
   EXPECT_EQ(recent.size(), 1u);

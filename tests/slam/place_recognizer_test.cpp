@@ -102,8 +102,10 @@ TEST_F(TwoMapsOfOnePlace, BecomesOneMapInTheWorldOfTheOlder) {
   Trajectory trajectory(10);
   const KeyframeId k = second_[2];
   const Pose T_camera_world = T_new_old_.moved(cameraAt({0.35, 0, 0}, {0, 0, 0}));
-  trajectory.add(7, 0.7, k, T_camera_world * map_.keyframe(k).T_camera_world.inverse(),
-                 map_.keyframe(k).unit);
+  AnchoredPose frame;
+  frame.frame = 7;
+  frame.anchor(map_, k, T_camera_world * map_.keyframe(k).T_camera_world.inverse());
+  trajectory.add(frame);
 
   const auto link = recognizer_.recognize(second_[3]);
   ASSERT_TRUE(link);

@@ -273,25 +273,25 @@ TEST(SlamSystem, TellsWhichFramesAreKeyframesAndWhatTheySee) {
   std::vector<std::int64_t> made;
   for (int i = 0; i < 60; ++i) {
     run(slam, world, i, i + 1);
-    if (slam.madeKeyframe()) made.push_back(i);
+    if (slam.wantsPicture()) made.push_back(i);
   }
   SparseCloud cloud;
   slam.copyCloud(cloud);
-  ASSERT_EQ(cloud.keyframe_frames.size(), cloud.keyframes_T_camera_world.size());
+  ASSERT_EQ(cloud.view_frames.size(), cloud.views_T_camera_world.size());
   // All but the first of the two that began the map were announced; culled ones are gone.
   int announced = 0;
-  for (const std::int64_t frame : cloud.keyframe_frames)
+  for (const std::int64_t frame : cloud.view_frames)
     announced += std::find(made.begin(), made.end(), frame) != made.end();
-  EXPECT_GE(announced, static_cast<int>(cloud.keyframe_frames.size()) - 1);
+  EXPECT_GE(announced, static_cast<int>(cloud.view_frames.size()) - 1);
   EXPECT_GE(announced, 1);
   EXPECT_LT(made.size(), 60u);
 
   std::vector<int> sightings(cloud.points.size());
   for (const Sighting& s : cloud.sightings) {
-    ASSERT_LT(s.keyframe, cloud.keyframe_frames.size());
+    ASSERT_LT(s.view, cloud.keyframes);
     ++sightings.at(s.point);
     const Eigen::Vector3d seen =
-        cloud.keyframes_T_camera_world[s.keyframe] * cloud.points[s.point].position.cast<double>();
+        cloud.views_T_camera_world[s.view] * cloud.points[s.point].position.cast<double>();
     EXPECT_GT(seen.z(), 0);
   }
   for (std::size_t i = 0; i < sightings.size(); ++i)

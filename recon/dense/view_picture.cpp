@@ -1,4 +1,4 @@
-#include "recon/dense/keyframe_picture.hpp"
+#include "recon/dense/view_picture.hpp"
 
 #include <cmath>
 

@@ -2,16 +2,16 @@
 #include <cmath>
 #include <vector>
 
-#include "recon/dense/keyframe_picture.hpp"
+#include "recon/dense/view_picture.hpp"
 #include "synthetic_cloud.hpp"
 #include "types/camera_model.hpp"
 
 namespace depthscope::recon {
 
 /// Keyframes of a textured surface, and the cloud that tracking would have made of them.
-struct RenderedKeyframes {
+struct RenderedViews {
   CameraModel camera;
-  std::vector<KeyframePicture> pictures;
+  std::vector<ViewPicture> pictures;
   SparseCloud cloud;
 };
 
@@ -31,9 +31,9 @@ inline float texture(float x, float y) {
 
 /// `count` keyframes that look from z = 4 down on the surface `height`, in a row 0.3 apart. Where
 /// `blank` says so the surface has no texture.
-inline RenderedKeyframes renderKeyframes(Height height, int count,
-                                         bool (*blank)(float x, float y) = nullptr) {
-  RenderedKeyframes out;
+inline RenderedViews renderViews(Height height, int count,
+                                 bool (*blank)(float x, float y) = nullptr) {
+  RenderedViews out;
   CameraModel& c = out.camera;
   c.width = 320;
   c.height = 240;
@@ -46,7 +46,7 @@ inline RenderedKeyframes renderKeyframes(Height height, int count,
     Pose T_camera_world;
     T_camera_world.R = Eigen::Vector3d(1, -1, -1).asDiagonal();  // looks along -z
     T_camera_world.t = -(T_camera_world.R * centre);
-    KeyframePicture picture;
+    ViewPicture picture;
     picture.frame = 10 * k;
     picture.luma.reset(c.width, c.height);
     const ColorReduction color(c.width, c.height);
@@ -64,9 +64,10 @@ inline RenderedKeyframes renderKeyframes(Height height, int count,
             static_cast<std::uint8_t>(60 + (plain ? 50 : 100 * texture(px, py)));
       }
     out.pictures.push_back(picture);
-    out.cloud.keyframes_T_camera_world.push_back(T_camera_world);
-    out.cloud.keyframe_frames.push_back(picture.frame);
+    out.cloud.views_T_camera_world.push_back(T_camera_world);
+    out.cloud.view_frames.push_back(picture.frame);
   }
+  out.cloud.keyframes = out.cloud.view_frames.size();
   for (std::uint32_t p = 0; p < out.cloud.points.size(); ++p)
     for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(count); ++k)
       out.cloud.sightings.push_back({p, k});

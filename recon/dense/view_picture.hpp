@@ -7,9 +7,9 @@
 
 namespace depthscope::recon {
 
-/// The picture of a keyframe, in the geometry of the lens.
-struct KeyframePicture {
-  std::int64_t frame = -1;  // number of the frame, as in SparseCloud::keyframe_frames
+/// The picture of a view, in the geometry of the lens.
+struct ViewPicture {
+  std::int64_t frame = -1;  // number of the frame, as in SparseCloud::view_frames
   Grid<std::uint8_t> luma;  // reduced by a whole factor
   Grid<Rgb> color;          // of ColorReduction's size
 };

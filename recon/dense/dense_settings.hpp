@@ -38,11 +38,13 @@ struct DenseSettings {
   double agreement_px = 1;  // [px of disparity at half size] by which they may differ
 
   // Volume and surface.
-  double voxel_size = 0.02;  // [median depth]
-  double truncation = 4;     // [voxels] on either side of the surface
-  int max_blocks = 16384;    // of 4^3 voxels; 1 kB each. More needed: larger voxels
-  double full_views = 4;     // depth maps at a place of confidence 1,
-  double full_scatter = 1;   // [voxels] and standard deviation among so many that halves it
+  // [median depth] With 0.02 a hovering scope's surface was off by 0.87 mm instead of 0.82 and
+  // complete to 91.5 % instead of 92.4 %, for a third fewer triangles.
+  double voxel_size = 0.017;
+  double truncation = 4;    // [voxels] on either side of the surface
+  int max_blocks = 16384;   // of 4^3 voxels; 1 kB each. More needed: larger voxels
+  double full_views = 4;    // depth maps at a place of confidence 1,
+  double full_scatter = 1;  // [voxels] and standard deviation among so many that halves it
   // Below it there is no surface. A tenth of a surface lay between 0.4 and 0.8, and made two thirds
   // of its squared error: bridges beside occlusions, and highlights.
   double min_confidence = 0.7;

@@ -56,7 +56,7 @@ std::vector<fs::path> listPictures(const fs::path& folder) {
   return pictures;
 }
 
-ImageFolder::ImageFolder(const fs::path& path) : packet_(makeAvPacket()) {
+ImageFolder::ImageFolder(const fs::path& path) : folder_(path), packet_(makeAvPacket()) {
   silenceAv();
   std::optional<ImageHeader> first;
   for (const fs::path& picture : listPictures(path)) {
@@ -67,7 +67,7 @@ ImageFolder::ImageFolder(const fs::path& path) : packet_(makeAvPacket()) {
     if (header->width != first->width || header->height != first->height)
       throw InputError(picture.string() + ": is " + sizeText(*header) + ", expected " +
                        sizeText(*first) + " like the first picture of the folder");
-    files_.push_back({picture, header->kind});
+    files_.push_back({picture.filename().string(), header->kind});
   }
   png_ = openImageDecoder(AV_CODEC_ID_PNG);
   jpeg_ = openImageDecoder(AV_CODEC_ID_MJPEG);
@@ -100,7 +100,7 @@ bool ImageFolder::decode(const File& file, AVFrame& picture) {
 
 /// The whole file as one packet.
 bool ImageFolder::loadPacket(const File& file) {
-  std::ifstream in(file.path, std::ios::binary | std::ios::ate);
+  std::ifstream in(folder_ / file.name, std::ios::binary | std::ios::ate);
   const std::streamoff bytes = in ? static_cast<std::streamoff>(in.tellg()) : -1;
   if (bytes <= 0 || bytes > std::numeric_limits<int>::max() - AV_INPUT_BUFFER_PADDING_SIZE)
     return false;

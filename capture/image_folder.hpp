@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "capture/av_support.hpp"
@@ -23,13 +24,15 @@ class ImageFolder final : public ClipReader {
   ClipDamage damage() const override { return damage_; }
 
  private:
+  // A clip may have many: a name alone is a tenth of a path.
   struct File {
-    std::filesystem::path path;
+    std::string name;
     ImageKind kind;
   };
   bool decode(const File& file, AVFrame& picture);
   bool loadPacket(const File& file);
 
+  std::filesystem::path folder_;
   std::vector<File> files_;
   std::size_t next_ = 0;
   AvPtr<AVCodecContext> png_, jpeg_;

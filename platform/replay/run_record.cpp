@@ -50,8 +50,8 @@ void RunRecord::add(const PoseEstimate& estimate, const slam::StageTimes& times)
   }
   ++metrics_.tracked_frames;
   const Pose T_world_camera = estimate.T_camera_world.inverse();
-  live_.push_back(
-      {estimate.timestamp_s, estimate.map_id, T_world_camera.quaternion(), T_world_camera.t});
+  live_.push_back({estimate.timestamp_s, estimate.map_id, T_world_camera.quaternion().cast<float>(),
+                   T_world_camera.t.cast<float>()});
 }
 
 void RunRecord::close() {
@@ -74,7 +74,8 @@ void writeLiveTrajectory(const std::filesystem::path& path, const std::vector<Li
   std::ofstream out(path);
   for (const LivePose& pose : live)
     if (pose.map_id == map_id)
-      writePose(out, pose.timestamp_s, pose.q_world_camera, pose.t_world_camera);
+      writePose(out, pose.timestamp_s, pose.q_world_camera.cast<double>().normalized(),
+                pose.t_world_camera.cast<double>());
   closeChecked(out, path);
 }
 

@@ -29,12 +29,12 @@ struct RunMetrics {
   Histogram extract, track, map, reconstruct, composite;
 };
 
-/// A pose as it was given out.
+/// A pose as it was given out. Packed, for every frame of a clip is kept.
 struct LivePose {
   double timestamp_s = 0;
   std::uint32_t map_id = 0;
-  Eigen::Quaternion<double, Eigen::DontAlign> q_world_camera;
-  Eigen::Vector3d t_world_camera;
+  Eigen::Quaternion<float, Eigen::DontAlign> q_world_camera;
+  Eigen::Vector3f t_world_camera;
 };
 
 /// Follows tracking frame by frame: counts, times, live poses, and the allocations made by tracking

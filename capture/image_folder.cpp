@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "capture/file_source.hpp"
 #include "types/error.hpp"
@@ -40,26 +41,33 @@ AvPtr<AVCodecContext> openImageDecoder(AVCodecID codec) {
   return decoder;
 }
 
+/// Names alone, in their order: a path takes ten times as much memory, and a clip may have many.
+std::vector<std::string> listNames(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (hasPictureName(it->path()) && it->is_regular_file(error))
+      names.push_back(it->path().filename().string());
+  if (error) throw InputError(folder.string() + ": cannot be listed (" + error.message() + ")");
+  if (names.empty())
+    throw InputError(folder.string() + ": no pictures (.png, .jpg) in this folder");
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 }  // namespace
 
 std::vector<fs::path> listPictures(const fs::path& folder) {
   std::vector<fs::path> pictures;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (hasPictureName(it->path()) && it->is_regular_file(error)) pictures.push_back(it->path());
-  if (error) throw InputError(folder.string() + ": cannot be listed (" + error.message() + ")");
-  if (pictures.empty())
-    throw InputError(folder.string() + ": no pictures (.png, .jpg) in this folder");
-  std::sort(pictures.begin(), pictures.end(), [](const fs::path& a, const fs::path& b) {
-    return a.filename().native() < b.filename().native();
-  });
+  for (const std::string& name : listNames(folder)) pictures.push_back(folder / name);
   return pictures;
 }
 
 ImageFolder::ImageFolder(const fs::path& path) : folder_(path), packet_(makeAvPacket()) {
   silenceAv();
   std::optional<ImageHeader> first;
-  for (const fs::path& picture : listPictures(path)) {
+  for (std::string& name : listNames(path)) {
+    const fs::path picture = path / name;
     const std::optional<ImageHeader> header = readImageHeader(picture);
     if (!header)
       throw InputError(picture.string() + ": empty, truncated or not a PNG or JPEG picture");
@@ -67,7 +75,7 @@ ImageFolder::ImageFolder(const fs::path& path) : folder_(path), packet_(makeAvPa
     if (header->width != first->width || header->height != first->height)
       throw InputError(picture.string() + ": is " + sizeText(*header) + ", expected " +
                        sizeText(*first) + " like the first picture of the folder");
-    files_.push_back({picture.filename().string(), header->kind});
+    files_.push_back({std::move(name), header->kind});
   }
   png_ = openImageDecoder(AV_CODEC_ID_PNG);
   jpeg_ = openImageDecoder(AV_CODEC_ID_MJPEG);

@@ -24,7 +24,6 @@ class ImageFolder final : public ClipReader {
   ClipDamage damage() const override { return damage_; }
 
  private:
-  // A clip may have many: a name alone is a tenth of a path.
   struct File {
     std::string name;
     ImageKind kind;

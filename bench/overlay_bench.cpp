@@ -5,6 +5,7 @@
 
 #include "overlay/compositor.hpp"
 #include "overlay/surface_prep.hpp"
+#include "tests/types/grid_mesh.hpp"
 
 namespace {
 
@@ -24,22 +25,11 @@ CameraModel camera() {
 /// Wavy tissue of about so many triangles that fills the view.
 SurfaceMesh tissue(std::int64_t triangles) {
   const auto n = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(triangles) / 2));
-  SurfaceMesh mesh;
-  for (std::uint32_t r = 0; r <= n; ++r)
-    for (std::uint32_t c = 0; c <= n; ++c) {
-      const float u = static_cast<float>(c) / static_cast<float>(n),
-                  v = static_cast<float>(r) / static_cast<float>(n);
-      mesh.vertices.push_back(
-          {-50 + 100 * u, -35 + 70 * v, 80 + 8 * std::sin(9 * u) * std::cos(7 * v)});
-      mesh.normals.push_back({0, 0, -1});
-      mesh.confidence.push_back(0.5f + 0.5f * std::cos(20 * u));
-    }
-  for (std::uint32_t r = 0; r < n; ++r)
-    for (std::uint32_t c = 0; c < n; ++c) {
-      const std::uint32_t a = r * (n + 1) + c, b = a + n + 1;
-      mesh.triangles.push_back({a, b, a + 1});
-      mesh.triangles.push_back({a + 1, b, b + 1});
-    }
+  SurfaceMesh mesh = gridMesh(n, [](float u, float v) {
+    return Eigen::Vector3f(-50 + 100 * u, -35 + 70 * v, 80 + 8 * std::sin(9 * u) * std::cos(7 * v));
+  });
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    mesh.confidence[i] = 0.5f + 0.5f * std::cos(0.2f * (mesh.vertices[i].x() + 50));
   return mesh;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "overlay/compositor.hpp"
+#include "tests/types/grid_mesh.hpp"
 
 namespace depthscope::overlay {
 
@@ -31,33 +32,9 @@ inline OverlaySettings plainSettings() {
 /// world = camera frame.
 inline SurfaceMesh wall(float x0, float x1, float y0, float y1, float z_left, float z_right,
                         int n = 16) {
-  SurfaceMesh m;
-  for (int r = 0; r <= n; ++r)
-    for (int c = 0; c <= n; ++c) {
-      const float u = static_cast<float>(c) / static_cast<float>(n),
-                  v = static_cast<float>(r) / static_cast<float>(n);
-      m.vertices.push_back(
-          {x0 + u * (x1 - x0), y0 + v * (y1 - y0), z_left + u * (z_right - z_left)});
-      m.normals.push_back({0, 0, -1});
-      m.confidence.push_back(1);
-    }
-  for (int r = 0; r < n; ++r)
-    for (int c = 0; c < n; ++c) {
-      const auto a = static_cast<std::uint32_t>(r * (n + 1) + c),
-                 b = a + static_cast<std::uint32_t>(n) + 1;
-      m.triangles.push_back({a, b, a + 1});
-      m.triangles.push_back({a + 1, b, b + 1});
-    }
-  return m;
-}
-
-inline void append(SurfaceMesh& to, const SurfaceMesh& m) {
-  const auto first = static_cast<std::uint32_t>(to.vertices.size());
-  to.vertices.insert(to.vertices.end(), m.vertices.begin(), m.vertices.end());
-  to.normals.insert(to.normals.end(), m.normals.begin(), m.normals.end());
-  to.confidence.insert(to.confidence.end(), m.confidence.begin(), m.confidence.end());
-  for (const auto& t : m.triangles)
-    to.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return gridMesh(static_cast<std::uint32_t>(n), [&](float u, float v) {
+    return Eigen::Vector3f(x0 + u * (x1 - x0), y0 + v * (y1 - y0), z_left + u * (z_right - z_left));
+  });
 }
 
 inline OverlayState tracking() {

@@ -4,22 +4,12 @@
 
 #include "expect_input_error.hpp"
 #include "platform/label_board.hpp"
+#include "tests/platform/lens_camera.hpp"
 
 namespace depthscope::platform {
 namespace {
 
 using ::testing::HasSubstr;
-
-CameraModel camera() {
-  CameraModel c;
-  c.width = 640;
-  c.height = 480;
-  c.fx = c.fy = 500;
-  c.cx = 320;
-  c.cy = 240;
-  c.k = {-0.1, 0.01, 0.001, -0.001, 0};
-  return c;
-}
 
 /// Two parallel squares across the view, at depth 5 and 10 of the world.
 SurfaceMesh twoPlanes() {
@@ -39,7 +29,7 @@ SurfaceMesh twoPlanes() {
 }
 
 TEST(LabelAnchor, LiesOnTheNearestSurfaceUnderThePixel) {
-  const CameraModel c = camera();
+  const CameraModel c = lensCamera();
   const Pose T_camera_world = Pose().retract({0.1, -0.2, 0.05}, {0.3, -0.1, 0.5});
   const Eigen::Vector2d pixel(400, 200);
   const auto anchor = anchorOnSurface(twoPlanes(), c, T_camera_world, pixel);
@@ -51,8 +41,8 @@ TEST(LabelAnchor, LiesOnTheNearestSurfaceUnderThePixel) {
 TEST(LabelAnchor, IsNowhereWithoutASurfaceUnderThePixel) {
   Pose behind;
   behind.t.z() = -20;  // the camera has both planes behind it
-  EXPECT_FALSE(anchorOnSurface(twoPlanes(), camera(), behind, {320, 240}));
-  EXPECT_FALSE(anchorOnSurface(SurfaceMesh(), camera(), Pose(), {320, 240}));
+  EXPECT_FALSE(anchorOnSurface(twoPlanes(), lensCamera(), behind, {320, 240}));
+  EXPECT_FALSE(anchorOnSurface(SurfaceMesh(), lensCamera(), Pose(), {320, 240}));
 }
 
 TEST(LabelAnchor, ParsesTextAndPlace) {
@@ -70,16 +60,16 @@ TEST(LabelBoard, AnchorsOnceAndOnlyInTheSurfacesOwnMap) {
   estimate.state = TrackingState::Tracking;
   estimate.map_id = 2;
   const SurfaceMesh mesh = twoPlanes();
-  EXPECT_FALSE(board.anchorWaiting(mesh, camera(), estimate));
+  EXPECT_FALSE(board.anchorWaiting(mesh, lensCamera(), estimate));
   estimate.map_id = 3;
   estimate.state = TrackingState::Lost;
-  EXPECT_FALSE(board.anchorWaiting(mesh, camera(), estimate));
+  EXPECT_FALSE(board.anchorWaiting(mesh, lensCamera(), estimate));
   estimate.state = TrackingState::Tracking;
-  EXPECT_TRUE(board.anchorWaiting(mesh, camera(), estimate));
+  EXPECT_TRUE(board.anchorWaiting(mesh, lensCamera(), estimate));
   ASSERT_EQ(board.labels().size(), 1u);
   EXPECT_EQ(board.labels()[0].text, "vessel");
   EXPECT_EQ(board.labels()[0].map_id, 3u);
-  EXPECT_FALSE(board.anchorWaiting(mesh, camera(), estimate));
+  EXPECT_FALSE(board.anchorWaiting(mesh, lensCamera(), estimate));
 }
 
 }  // namespace

@@ -7,43 +7,22 @@
 #include <numbers>
 
 #include "expect_input_error.hpp"
+#include "tests/platform/lens_camera.hpp"
+#include "tests/types/grid_mesh.hpp"
 
 namespace depthscope::platform {
 namespace {
 
 using ::testing::HasSubstr;
 
-CameraModel camera() {
-  CameraModel c;
-  c.width = 640;
-  c.height = 480;
-  c.fx = c.fy = 500;
-  c.cx = 320;
-  c.cy = 240;
-  c.k = {-0.1, 0.01, 0.001, -0.001, 0};
-  return c;
-}
-
 /// A height field z(x, y) over [-side, side]^2 as a mesh, in map units.
 template <class Height>
 SurfaceMesh heightField(float side, Height&& z) {
-  constexpr std::uint32_t n = 120;
-  SurfaceMesh mesh;
+  SurfaceMesh mesh = gridMesh(120, [&](float u, float v) {
+    const float x = side * (2 * u - 1), y = side * (2 * v - 1);
+    return Eigen::Vector3f(x, y, z(x, y));
+  });
   mesh.map_id = 4;
-  for (std::uint32_t r = 0; r <= n; ++r)
-    for (std::uint32_t c = 0; c <= n; ++c) {
-      const float x = side * (2 * static_cast<float>(c) / n - 1);
-      const float y = side * (2 * static_cast<float>(r) / n - 1);
-      mesh.vertices.emplace_back(x, y, z(x, y));
-    }
-  mesh.normals.assign(mesh.vertices.size(), {0, 0, -1});
-  mesh.confidence.assign(mesh.vertices.size(), 1);
-  for (std::uint32_t r = 0; r < n; ++r)
-    for (std::uint32_t c = 0; c < n; ++c) {
-      const std::uint32_t a = r * (n + 1) + c, b = a + n + 1;
-      mesh.triangles.push_back({a, b, a + 1});
-      mesh.triangles.push_back({a + 1, b, b + 1});
-    }
   return mesh;
 }
 
@@ -57,14 +36,14 @@ Pose someView() {
 
 /// A request for the length between two points of the world.
 ScaleRequest between(const Eigen::Vector3d& p, const Eigen::Vector3d& q, double mm) {
-  const CameraModel c = camera();
+  const CameraModel c = lensCamera();
   return {ScaleRequest::Kind::Length, mm, c.project(someView() * p), c.project(someView() * q)};
 }
 
 TEST(MapScale, IsTheLengthOverTheDistanceOnATiltedPlane) {
   const Eigen::Vector3d p(-0.4, 0.2, 3 - 0.2 - 0.04), q(0.5, -0.1, 3 + 0.25 + 0.02);
   const MapScale scale =
-      measureScale(tiltedPlane(), camera(), someView(), between(p, q, 25.0 * (p - q).norm()));
+      measureScale(tiltedPlane(), lensCamera(), someView(), between(p, q, 25.0 * (p - q).norm()));
   EXPECT_NEAR(scale.mm_per_unit, 25, 1e-3);
   EXPECT_EQ(scale.map_id, 4u);
 }
@@ -72,14 +51,14 @@ TEST(MapScale, IsTheLengthOverTheDistanceOnATiltedPlane) {
 TEST(MapScale, IsTheChordBetweenPointsOfASphere) {
   const auto sphere = [](float x, float y) { return 4 - std::sqrt(2 - x * x - y * y); };
   const Eigen::Vector3d p(-0.6, 0.1, sphere(-0.6f, 0.1f)), q(0.3, 0.5, sphere(0.3f, 0.5f));
-  const MapScale scale = measureScale(heightField(0.9f, sphere), camera(), someView(),
+  const MapScale scale = measureScale(heightField(0.9f, sphere), lensCamera(), someView(),
                                       between(p, q, 12.0 * (p - q).norm()));
   EXPECT_NEAR(scale.mm_per_unit, 12, 12 * 1e-3);
 }
 
 TEST(MapScale, TheUncertaintyIsThatOfPickingSeenStraightOn) {
   // At depth 3 and focal length 500, a pixel is 0.006 wide; only errors along the length count.
-  CameraModel pinhole = camera();
+  CameraModel pinhole = lensCamera();
   pinhole.k = {};
   const SurfaceMesh plane = heightField(2, [](float, float) { return 3.f; });
   const ScaleRequest r{ScaleRequest::Kind::Length, 10, {270, 240}, {370, 240}};
@@ -89,7 +68,7 @@ TEST(MapScale, TheUncertaintyIsThatOfPickingSeenStraightOn) {
 }
 
 TEST(MapScale, LooksTowardsTheUncertaintyOfDepthOnASteepSurface) {
-  CameraModel pinhole = camera();
+  CameraModel pinhole = lensCamera();
   pinhole.k = {};
   const ScaleRequest r{ScaleRequest::Kind::Length, 10, {270, 240}, {370, 240}};
   const auto uncertainty = [&](float slope) {
@@ -101,7 +80,7 @@ TEST(MapScale, LooksTowardsTheUncertaintyOfDepthOnASteepSurface) {
 }
 
 TEST(MapScale, TakesAnInstrumentAtTheDepthOfTheTissueUnderIt) {
-  CameraModel pinhole = camera();
+  CameraModel pinhole = lensCamera();
   pinhole.k = {};
   // Its ends look past the small piece of surface that it touches.
   const SurfaceMesh plane = heightField(0.1f, [](float, float) { return 3.f; });
@@ -114,7 +93,7 @@ TEST(MapScale, TakesAnInstrumentAtTheDepthOfTheTissueUnderIt) {
 }
 
 TEST(MapScale, RefusesWhatCannotBeMeasured) {
-  const CameraModel c = camera();
+  const CameraModel c = lensCamera();
   const Eigen::Vector3d p(-0.4, 0, 2.8), q(0.4, 0, 3.2);
   const auto measure = [&](ScaleRequest r) {
     return measureScale(tiltedPlane(), c, someView(), r);
@@ -150,9 +129,9 @@ TEST(MapScale, ParsesLengthsAndDiameters) {
 }
 
 TEST(MapScale, PointsLieInThePicture) {
-  EXPECT_NO_THROW(requireInPicture(parseScaleRequest("5 0,0 639,479"), camera()));
+  EXPECT_NO_THROW(requireInPicture(parseScaleRequest("5 0,0 639,479"), lensCamera()));
   for (const char* bad : {"5 -1,0 10,10", "5 10,10 640,10", "5 10,10 10,480"})
-    EXPECT_INPUT_ERROR(requireInPicture(parseScaleRequest(bad), camera()),
+    EXPECT_INPUT_ERROR(requireInPicture(parseScaleRequest(bad), lensCamera()),
                        HasSubstr("outside the picture of 640x480"));
 }
 

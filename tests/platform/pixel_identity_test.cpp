@@ -7,6 +7,7 @@
 #include "capture/pixel_convert.hpp"
 #include "overlay/compositor.hpp"
 #include "platform/camera_file.hpp"
+#include "tests/types/grid_mesh.hpp"
 #include "types/surface_mesh.hpp"
 
 namespace depthscope::platform {
@@ -16,23 +17,10 @@ const std::filesystem::path sample = std::filesystem::path(DEPTHSCOPE_TEST_DATA)
 
 /// A dome 60 to 90 mm before the camera, over part of the view.
 SurfaceMesh dome() {
-  SurfaceMesh mesh;
-  constexpr int n = 40;
-  for (int r = 0; r <= n; ++r)
-    for (int c = 0; c <= n; ++c) {
-      const float x = -24 + 48.0f * static_cast<float>(c) / n,
-                  y = -15 + 40.0f * static_cast<float>(r) / n;
-      mesh.vertices.push_back({x, y, 60 + 0.02f * (x * x + y * y)});
-      mesh.normals.push_back({0, 0, -1});
-      mesh.confidence.push_back(1);
-    }
-  for (std::uint32_t r = 0; r < n; ++r)
-    for (std::uint32_t c = 0; c < n; ++c) {
-      const std::uint32_t a = r * (n + 1) + c, b = a + n + 1;
-      mesh.triangles.push_back({a, b, a + 1});
-      mesh.triangles.push_back({a + 1, b, b + 1});
-    }
-  return mesh;
+  return gridMesh(40, [](float u, float v) {
+    const float x = -24 + 48 * u, y = -15 + 40 * v;
+    return Eigen::Vector3f(x, y, 60 + 0.02f * (x * x + y * y));
+  });
 }
 
 struct Count {

@@ -17,6 +17,7 @@
 #include "platform/ipc/surface_mailbox.hpp"
 #include "tests/platform/direct_layers.hpp"
 #include "tests/platform/simulated_box.hpp"
+#include "tests/types/grid_mesh.hpp"
 
 namespace depthscope::platform {
 namespace {
@@ -104,20 +105,8 @@ class ArPlayer {
         surfaces_(box.memory),
         pixels_(box_width * box_height),
         color_(box.memory.colorSize().pixels()) {
-    constexpr std::uint32_t n = 8;
-    for (std::uint32_t r = 0; r <= n; ++r)
-      for (std::uint32_t c = 0; c <= n; ++c) {
-        mesh_.vertices.push_back({-10 + 2.5f * static_cast<float>(c),
-                                  -5 + 2.0f * static_cast<float>(r), 50 + static_cast<float>(c)});
-        mesh_.normals.push_back({0, 0, -1});
-        mesh_.confidence.push_back(1);
-      }
-    for (std::uint32_t r = 0; r < n; ++r)
-      for (std::uint32_t c = 0; c < n; ++c) {
-        const std::uint32_t a = r * (n + 1) + c, b = a + n + 1;
-        mesh_.triangles.push_back({a, b, a + 1});
-        mesh_.triangles.push_back({a + 1, b, b + 1});
-      }
+    mesh_ = gridMesh(
+        8, [](float u, float v) { return Eigen::Vector3f(-10 + 20 * u, -5 + 16 * v, 50 + 8 * u); });
   }
   void play() {
     ++turns_;

@@ -13,6 +13,7 @@
 #include "platform/ipc/surface_mailbox.hpp"
 #include "tests/fake_kernel/fake_kernel.hpp"
 #include "tests/platform/direct_layers.hpp"
+#include "tests/types/grid_mesh.hpp"
 
 namespace depthscope::platform {
 
@@ -174,22 +175,9 @@ class VideoLoopFixture : public testing::Test {
 
   /// A surface 50 mm before the camera, over the middle of the picture.
   void sendSurface() {
-    SurfaceMesh mesh;
-    constexpr int n = 12;
-    for (int r = 0; r <= n; ++r)
-      for (int c = 0; c <= n; ++c) {
-        mesh.vertices.push_back({-15 + 30.0f * static_cast<float>(c) / n,
-                                 -8 + 20.0f * static_cast<float>(r) / n,
-                                 50 + static_cast<float>(c)});
-        mesh.normals.push_back({0, 0, -1});
-        mesh.confidence.push_back(1);
-      }
-    for (std::uint32_t r = 0; r < n; ++r)
-      for (std::uint32_t c = 0; c < n; ++c) {
-        const std::uint32_t a = r * (n + 1) + c, b = a + n + 1;
-        mesh.triangles.push_back({a, b, a + 1});
-        mesh.triangles.push_back({a + 1, b, b + 1});
-      }
+    SurfaceMesh mesh = gridMesh(12, [](float u, float v) {
+      return Eigen::Vector3f(-15 + 30 * u, -8 + 20 * v, 50 + 12 * u);
+    });
     mesh.version = ++surface_version;
     SurfaceMailboxWriter writer(memory);
     ASSERT_TRUE(writer.publish(mesh));

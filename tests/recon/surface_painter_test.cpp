@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "recon/mesh_geometry.hpp"
+#include "tests/types/grid_mesh.hpp"
 
 namespace depthscope::recon {
 namespace {
@@ -16,19 +17,8 @@ constexpr std::uint8_t kWall = 90;
 class Scene {
  public:
   explicit Scene(CameraModel camera = pinhole()) : camera_(camera), painter_(camera, 8) {
-    constexpr std::uint32_t n = 40;
-    for (std::uint32_t r = 0; r <= n; ++r)
-      for (std::uint32_t c = 0; c <= n; ++c)
-        mesh.vertices.emplace_back(4 * static_cast<float>(c) / n - 2,
-                                   3 * static_cast<float>(r) / n - 1.5f, 4.f);
-    for (std::uint32_t r = 0; r < n; ++r)
-      for (std::uint32_t c = 0; c < n; ++c) {
-        const std::uint32_t a = r * (n + 1) + c, b = a + n + 1;
-        mesh.triangles.push_back({a, a + 1, b});
-        mesh.triangles.push_back({a + 1, b + 1, b});
-      }
-    // Clockwise seen along z: normals towards the cameras.
-    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+    mesh =
+        gridMesh(40, [](float u, float v) { return Eigen::Vector3f(4 * u - 2, 3 * v - 1.5f, 4); });
     computeNormals(mesh);
     for (std::size_t i = 0; i < mesh.vertices.size(); i += 7)
       cloud.points.push_back({mesh.vertices[i], -Eigen::Vector3f::UnitZ(), 3, 0});
@@ -156,18 +146,9 @@ TEST(SurfacePainter, HighlightsAndDarkSurroundingsDoNotCount) {
 TEST(SurfacePainter, WhatLiesBehindIsNotPaintedByWhatHidesIt) {
   Scene scene;
   // A small plate in front, in the middle of the first view; the second sees past it.
-  const auto base = static_cast<std::uint32_t>(scene.mesh.vertices.size());
-  constexpr std::uint32_t n = 8;
-  for (std::uint32_t r = 0; r <= n; ++r)
-    for (std::uint32_t c = 0; c <= n; ++c)
-      scene.mesh.vertices.emplace_back(0.05f * static_cast<float>(c) - 0.2f,
-                                       0.05f * static_cast<float>(r) - 0.2f, 2.f);
-  for (std::uint32_t r = 0; r < n; ++r)
-    for (std::uint32_t c = 0; c < n; ++c) {
-      const std::uint32_t a = base + r * (n + 1) + c, b = a + n + 1;
-      scene.mesh.triangles.push_back({a, b, a + 1});
-      scene.mesh.triangles.push_back({a + 1, b, b + 1});
-    }
+  append(scene.mesh, gridMesh(8, [](float u, float v) {
+           return Eigen::Vector3f(0.4f * u - 0.2f, 0.4f * v - 0.2f, 2);
+         }));
   computeNormals(scene.mesh);
   scene.look({0, 0, 0}, [](double x, double y) {
     return std::max(std::abs(x), std::abs(y)) < 0.4 ? Rgb{220, 0, 0} : Rgb{kWall, 30, 30};

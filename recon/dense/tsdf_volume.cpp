@@ -1,5 +1,6 @@
 #include "recon/dense/tsdf_volume.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -10,6 +11,8 @@ namespace depthscope::recon {
 namespace {
 
 constexpr int kAllocationStride = 2;  // [px] between rays that make blocks
+constexpr int kTile_px = 8;           // side of the tiles that a view's depths are bounded in
+constexpr float kRounding = 1.01f;    // times the radius of a block
 
 }  // namespace
 
@@ -88,6 +91,7 @@ void TsdfVolume::integrate(const FusedView& view, const PinholeLevel& level) {
 void TsdfVolume::prepare(const FusedView& view, const PinholeLevel& level) {
   const DepthMap& map = *view.map;
   pixels_.reset(level.width, level.height);
+  farthest_.reset(level.width / kTile_px + 1, level.height / kTile_px + 1);
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     const float q = map.inverse_depth.cells[i] * view.inverse_scale;
     Pixel& pixel = pixels_.cells[i];
@@ -99,6 +103,9 @@ void TsdfVolume::prepare(const FusedView& view, const PinholeLevel& level) {
     pixel.slant = slant / voxel_size_;
     pixel.weight = slant * slant / (deviation * deviation) *
                    static_cast<float>(map.confidence.cells[i] * view.agreeing.cells[i]);
+    const auto x = static_cast<int>(i) % level.width, y = static_cast<int>(i) / level.width;
+    float& farthest = farthest_.at(x / kTile_px, y / kTile_px);
+    farthest = std::max(farthest, pixel.depth + truncation_ / pixel.slant);
   }
 }
 
@@ -150,6 +157,7 @@ void TsdfVolume::integrateBlock(int block, const PinholeLevel& level, const Eige
   const float mu = level.f * middle.x() / middle.z() + level.cx;
   const float mv = level.f * middle.y() / middle.z() + level.cy;
   if (mu < -blur || mv < -blur || mu > level.width + blur || mv > level.height + blur) return;
+  if (!anyReaches(mu, mv, blur + 1, middle.z() - kRounding * radius)) return;
 
   const auto array = [](const Eigen::Vector3f& v) { return std::array{v.x(), v.y(), v.z()}; };
   BlockPlaces places;
@@ -168,6 +176,20 @@ void TsdfVolume::integrateBlock(int block, const PinholeLevel& level, const Eige
     voxel->squared_distance += pixel.weight * d * d;
     voxel->views += ahead < truncation_ ? 1.f : 0.f;
   }
+}
+
+/// Whether a pixel up to `reach_px` from (u, v) may see a surface within the truncation of what is
+/// `depth` away or farther.
+bool TsdfVolume::anyReaches(float u, float v, float reach_px, float depth) const {
+  const auto tile = [](float at, int tiles) {
+    return std::clamp(static_cast<int>(at) / kTile_px, 0, tiles - 1);
+  };
+  const int right = tile(u + reach_px, farthest_.width),
+            below = tile(v + reach_px, farthest_.height);
+  for (int y = tile(v - reach_px, farthest_.height); y <= below; ++y)
+    for (int x = tile(u - reach_px, farthest_.width); x <= right; ++x)
+      if (farthest_.at(x, y) >= depth) return true;
+  return false;
 }
 
 void TsdfVolume::finish() {

@@ -59,6 +59,7 @@ class TsdfVolume {
     float weight = 0;  // 0: unknown
   };
 
+  bool anyReaches(float u, float v, float reach_px, float depth) const;
   void prepare(const FusedView& view, const PinholeLevel& level);
   void integrateBlock(int block, const PinholeLevel& level, const Eigen::Matrix3f& R,
                       const Eigen::Vector3f& t);
@@ -67,7 +68,8 @@ class TsdfVolume {
   std::size_t capacity_;
   std::vector<Key> keys_;
   std::vector<Voxel> voxels_;
-  Grid<Pixel> pixels_;               // of the view that is integrated
+  Grid<float> farthest_;  // of each tile of that view: depth within the truncation of a surface
+  Grid<Pixel> pixels_;    // of the view that is integrated
   std::vector<std::int32_t> slots_;  // open addressing: block, or kNone
 };
 

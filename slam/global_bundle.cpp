@@ -7,11 +7,10 @@ namespace depthscope::slam {
 
 namespace {
 constexpr int kQuotaStep = 25;  // points of a keyframe, added round by round while there is room
-constexpr int kMaxQuota = 200;  // more hardly hold a keyframe better
 }  // namespace
 
 GlobalBundle::GlobalBundle(const SlamSettings& settings, Map& map, BundleAdjuster& adjuster)
-    : map_(map), adjuster_(adjuster) {
+    : map_(map), adjuster_(adjuster), max_quota_(settings.extractor.features) {
   const std::size_t keyframes = settings.capacity.keyframes;
   keyframes_.reserve(keyframes);
   pose_index_.resize(keyframes);
@@ -29,8 +28,9 @@ BaSummary GlobalBundle::adjust(std::uint32_t map_id, int iterations,
   BaSettings settings;
   settings.max_iterations = iterations;
   const BaSummary summary = adjuster_.solve(map_.intrinsics(), settings, stop);
-  if (summary.end != BaSummary::End::Failed && summary.iterations > 0)
-    writeBack(map_id, summary.end != BaSummary::End::Stopped);
+  if (summary.end == BaSummary::End::Failed || summary.iterations == 0) return summary;
+  keepScale();
+  writeBack(map_id, summary.end != BaSummary::End::Stopped);
   return summary;
 }
 
@@ -48,20 +48,38 @@ void GlobalBundle::gather(std::uint32_t map_id) {
   choosePoints();
 }
 
-/// Seven degrees of freedom are free in a monocular map: two keyframes hold them.
+/// One keyframe holds the map in its place. Two would hold its scale as well, but also, for ever,
+/// the relative pose that the two oldest got when it was known worst.
 void GlobalBundle::fixOldest() {
-  for (int n = 0; n < 2; ++n) {
-    KeyframeId oldest = kNone;
-    for (const KeyframeId k : keyframes_)
-      if (!adjuster_.poses()[pose_index_[k]].fixed &&
-          (oldest == kNone || map_.keyframe(k).serial < map_.keyframe(oldest).serial))
-        oldest = k;
-    if (oldest != kNone) adjuster_.poses()[pose_index_[oldest]].fixed = true;
+  const auto oldest = std::min_element(
+      keyframes_.begin(), keyframes_.end(), [&](KeyframeId a, KeyframeId b) {
+        return map_.keyframe(a).serial < map_.keyframe(b).serial;
+      });
+  oldest_ = static_cast<int>(oldest - keyframes_.begin());
+  if (oldest != keyframes_.end()) adjuster_.poses()[static_cast<std::size_t>(oldest_)].fixed = true;
+}
+
+/// Nothing in the pictures tells the scale: the keyframes stay as far from the oldest, in the mean,
+/// as they were.
+void GlobalBundle::keepScale() {
+  const auto poses = adjuster_.poses();
+  const Eigen::Vector3d centre = poses[static_cast<std::size_t>(oldest_)].T_camera_world.inverse().t;
+  double before = 0, now = 0;
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    before += (map_.keyframe(keyframes_[i]).T_camera_world.inverse().t - centre).norm();
+    now += (poses[i].T_camera_world.inverse().t - centre).norm();
   }
+  if (!(before > 0 && now > 0)) return;
+  const double scale = before / now;
+  const auto scaled = [&](const Eigen::Vector3d& p) { return centre + scale * (p - centre); };
+  for (BaPose& pose : poses)
+    pose.T_camera_world.t =
+        -(pose.T_camera_world.R * scaled(pose.T_camera_world.inverse().t));
+  for (Eigen::Vector3d& point : adjuster_.points()) point = scaled(point);
 }
 
 void GlobalBundle::choosePoints() {
-  for (int quota = kQuotaStep; quota <= kMaxQuota; quota += kQuotaStep)
+  for (int quota = kQuotaStep; quota < max_quota_ + kQuotaStep; quota += kQuotaStep)
     for (const KeyframeId k : keyframes_)
       if (!choosePointsOf(k, quota)) return;
 }

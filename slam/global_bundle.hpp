@@ -9,8 +9,9 @@
 namespace depthscope::slam {
 
 /// Bundle adjustment of a whole connected map (Mur-Artal et al. 2015, section VII): all keyframes
-/// but the two oldest move, with a bounded number of points, the best observed ones of every
-/// keyframe; the other points go along with the keyframe that saw them first.
+/// but the oldest move, and the map keeps its size. Where not all points fit the adjuster, it is
+/// the best observed ones of every keyframe; the others go along with the keyframe that saw them
+/// first.
 class GlobalBundle {
  public:
   /// Works in the memory of an adjuster that it shares with the local adjustment.
@@ -27,14 +28,17 @@ class GlobalBundle {
   bool choosePointsOf(KeyframeId keyframe, int quota);
   bool choose(PointId point);
   void fixOldest();
+  void keepScale();
   void findMotions();
   void writeBack(std::uint32_t map_id, bool remove_outliers);
   int newest() const;
 
   Map& map_;
   BundleAdjuster& adjuster_;
+  int max_quota_;                              // points that a keyframe can have
   std::vector<KeyframeId> keyframes_;          // per pose of the problem
   std::vector<int> pose_index_;                // per keyframe
+  int oldest_ = 0;                             // pose that is held
   std::vector<PointId> points_;                // per point of the problem
   std::vector<std::uint8_t> chosen_;           // per map point
   std::vector<PointId> ranked_;                // of one keyframe, the best observed first

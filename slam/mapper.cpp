@@ -6,6 +6,11 @@
 #include "types/allocation_scope.hpp"
 
 namespace depthscope::slam {
+namespace {
+
+constexpr int kWholeMapSteps = 10;  // of an adjustment of the whole map, at most
+
+}  // namespace
 
 Mapper::Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map,
                KeyframeDatabase& database, FrameRecords& records, MappingMode mode)
@@ -139,6 +144,7 @@ void Mapper::process(const KeyframeRequest& request) {
   adjustAround(id);
   culler_.cullKeyframes(bestNeighbours(id, 2 * settings_.mapper.window_keyframes));
   recognizePlace(id);
+  planWholeMap(map_.keyframe(id).map_id);
   if (mode_ == MappingMode::Lockstep) adjustWholeMap();
   map_ms_ =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -153,7 +159,7 @@ void Mapper::adjustAround(KeyframeId id) {
 }
 
 void Mapper::recognizePlace(KeyframeId id) {
-  constexpr int kFusedAround = 6, kSteps = 10;
+  constexpr int kFusedAround = 6;
   const auto link = recognizer_.recognize(id);
   if (!link) return;
   const auto neighbours = bestNeighbours(id, kFusedAround);
@@ -167,7 +173,18 @@ void Mapper::recognizePlace(KeyframeId id) {
   }
   adjustAround(id);
   unadjusted_map_ = map_.keyframe(id).map_id;
-  steps_left_ = kSteps;
+  steps_left_ = kWholeMapSteps;
+}
+
+/// Now and then a map that outgrew the window is adjusted as a whole: where the scope comes back
+/// to what it saw long ago, old and new pull at each other from beyond every window.
+void Mapper::planWholeMap(std::uint32_t map_id) {
+  const int every = settings_.mapper.whole_map_every;
+  if (++since_whole_map_ < every || every == 0 || steps_left_ > 0 ||
+      map_.keyframesOf(map_id) <= settings_.mapper.window_keyframes)
+    return;
+  unadjusted_map_ = map_id;
+  steps_left_ = kWholeMapSteps;
 }
 
 /// In the background when threaded: a new keyframe interrupts it, and what is left is done after
@@ -176,6 +193,7 @@ void Mapper::adjustWholeMap() {
   if (steps_left_ == 0) return;
   const BaSummary summary = global_bundle_.adjust(
       unadjusted_map_, steps_left_, mode_ == MappingMode::Threaded ? &interrupt_ : nullptr);
+  since_whole_map_ = 0;
   steps_left_ = summary.end == BaSummary::End::Stopped ? steps_left_ - summary.iterations : 0;
 }
 

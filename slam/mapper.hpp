@@ -62,6 +62,7 @@ class Mapper {
   void process(const KeyframeRequest& request);
   void adjustAround(KeyframeId id);
   void recognizePlace(KeyframeId id);
+  void planWholeMap(std::uint32_t map_id);
   void adjustWholeMap();
   KeyframeId insert(const KeyframeRequest& request);
   std::span<const KeyframeId> bestNeighbours(KeyframeId id, int count);
@@ -82,6 +83,7 @@ class Mapper {
   LoopCloser loop_closer_;
   std::uint32_t unadjusted_map_ = 0;  // that is to be adjusted as a whole
   int steps_left_ = 0;                // of that
+  int since_whole_map_ = 0;           // keyframes since a map was adjusted as a whole
   std::atomic<int> loops_closed_ = 0;
   std::vector<PointRef> recent_;
   std::vector<int> votes_;

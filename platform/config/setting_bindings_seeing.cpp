@@ -131,6 +131,8 @@ void bindSlam(SettingBinder& b, slam::SlamSettings& s) {
            "free in local bundle adjustment");
   b.number("window_fixed", s.mapper.window_fixed, 0, 500, "fixed around them");
   b.number("iterations", s.mapper.iterations, 1, 100, "of local bundle adjustment");
+  b.number("whole_map_every", s.mapper.whole_map_every, 0, 10000,
+           "keyframes after which a map larger than the window is adjusted as a whole; 0: never");
   b.number("redundancy", s.mapper.redundancy, 0.1, 1,
            "share of points seen elsewhere that makes a keyframe redundant");
 }

@@ -9,12 +9,13 @@
 namespace depthscope::recon {
 namespace {
 
-constexpr int kNice = 10;  // well below tracking, still above what the system calls idle
+constexpr int kNice = 10;  // added to the nice value that tracking has: well below it
 
-/// On Linux a thread has its own nice value. Failure leaves the default priority, which is
-/// harmless.
+/// On Linux a thread has its own nice value, and those that it starts inherit it. Failure leaves
+/// the priority as it is, which is harmless.
 void lowerPriority() {
-  (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
+  const auto self = static_cast<id_t>(::gettid());
+  (void)::setpriority(PRIO_PROCESS, self, ::getpriority(PRIO_PROCESS, self) + kNice);
 }
 
 }  // namespace

@@ -51,8 +51,8 @@ void GlobalBundle::gather(std::uint32_t map_id) {
 /// One keyframe holds the map in its place. Two would hold its scale as well, but also, for ever,
 /// the relative pose that the two oldest got when it was known worst.
 void GlobalBundle::fixOldest() {
-  const auto oldest = std::min_element(
-      keyframes_.begin(), keyframes_.end(), [&](KeyframeId a, KeyframeId b) {
+  const auto oldest =
+      std::min_element(keyframes_.begin(), keyframes_.end(), [&](KeyframeId a, KeyframeId b) {
         return map_.keyframe(a).serial < map_.keyframe(b).serial;
       });
   oldest_ = static_cast<int>(oldest - keyframes_.begin());
@@ -63,7 +63,8 @@ void GlobalBundle::fixOldest() {
 /// as they were.
 void GlobalBundle::keepScale() {
   const auto poses = adjuster_.poses();
-  const Eigen::Vector3d centre = poses[static_cast<std::size_t>(oldest_)].T_camera_world.inverse().t;
+  const Eigen::Vector3d centre =
+      poses[static_cast<std::size_t>(oldest_)].T_camera_world.inverse().t;
   double before = 0, now = 0;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     before += (map_.keyframe(keyframes_[i]).T_camera_world.inverse().t - centre).norm();
@@ -73,8 +74,7 @@ void GlobalBundle::keepScale() {
   const double scale = before / now;
   const auto scaled = [&](const Eigen::Vector3d& p) { return centre + scale * (p - centre); };
   for (BaPose& pose : poses)
-    pose.T_camera_world.t =
-        -(pose.T_camera_world.R * scaled(pose.T_camera_world.inverse().t));
+    pose.T_camera_world.t = -(pose.T_camera_world.R * scaled(pose.T_camera_world.inverse().t));
   for (Eigen::Vector3d& point : adjuster_.points()) point = scaled(point);
 }
 

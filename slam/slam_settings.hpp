@@ -119,7 +119,7 @@ struct MapperSettings {
   // what it had seen before: all points together fitted worse by 30 %, rays turned by 2.5e-5 rad a
   // millimetre of the path, and its surface lay 1 mm too far at 150 mm.
   int whole_map_every = 5;
-  double redundancy = 0.9;    // share of points seen elsewhere: above, a keyframe goes
+  double redundancy = 0.9;  // share of points seen elsewhere: above, a keyframe goes
 };
 
 /// Everything tunable in the tracker and mapper, defaults in place. Values marked (paper) are those

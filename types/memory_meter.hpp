@@ -1,5 +1,4 @@
 #pragma once
-#include <algorithm>
 #include <atomic>
 #include <cstdint>
 
@@ -7,16 +6,19 @@ namespace depthscope {
 
 /// Bytes of the heap that one piece of work holds, and the most it ever held: what was allocated
 /// within its `MemoryScope`s less what was freed there. Stays zero in a program without the
-/// allocator hook.
+/// allocator hook. Several threads may count on one.
 struct MemoryMeter {
-  std::int64_t held_bytes = 0;
-  std::int64_t peak_bytes = 0;
+  std::atomic<std::int64_t> held_bytes = 0;
+  std::atomic<std::int64_t> peak_bytes = 0;
 
   void allocated(std::int64_t bytes) {
-    held_bytes += bytes;
-    peak_bytes = std::max(peak_bytes, held_bytes);
+    const std::int64_t held = held_bytes.fetch_add(bytes, std::memory_order_relaxed) + bytes;
+    std::int64_t peak = peak_bytes.load(std::memory_order_relaxed);
+    while (peak < held &&
+           !peak_bytes.compare_exchange_weak(peak, held, std::memory_order_relaxed)) {
+    }
   }
-  void freed(std::int64_t bytes) { held_bytes -= bytes; }
+  void freed(std::int64_t bytes) { held_bytes.fetch_sub(bytes, std::memory_order_relaxed); }
 };
 
 /// The meter of this thread's innermost `MemoryScope`, or null.

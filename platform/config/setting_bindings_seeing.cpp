@@ -6,6 +6,7 @@ namespace {
 
 void bindDense(SettingBinder& b, recon::DenseSettings& s) {
   b.section("recon.dense");
+  b.number("threads", s.threads, 1, 16, "that share the work; the surface does not depend on it");
   b.number("pictures", s.pictures, 4, 1000, "keyframe pictures kept, 0.2 MB each");
   b.number("depth_maps", s.depth_maps, 2, 1000, "kept and fused, 0.2 MB each");
   b.number("picture_width", s.picture_width, 80, 640, "[px] that pictures are reduced to");

@@ -6,6 +6,7 @@
 
 #include "recon/dense/sightings.hpp"
 #include "recon/dense/surface_nets.hpp"
+#include "recon/dense/threads.hpp"
 #include "recon/dense/view_selection.hpp"
 #include "recon/mesh_geometry.hpp"
 
@@ -32,9 +33,12 @@ bool contains(const PinholeLevel& level, const Eigen::Vector2f& pixel) {
 DenseReconstructor::DenseReconstructor(const CameraModel& camera, const DenseSettings& settings)
     : settings_(settings),
       view_(camera, reductionFactor(camera.width, settings.picture_width)),
-      estimator_(view_, settings_),
       store_(settings.pictures, settings.depth_maps),
-      volume_(settings.max_blocks) {}
+      volume_(settings.max_blocks),
+      scratch_(static_cast<std::size_t>(settings.threads)) {
+  for (int i = 0; i < std::min(settings.threads, kAtOnce); ++i)
+    estimators_.emplace_back(view_, settings_);
+}
 
 void DenseReconstructor::addPicture(const ViewPicture& picture) {
   StoredView& slot = store_.claim(picture.frame);
@@ -53,10 +57,13 @@ ReconStatus DenseReconstructor::reconstruct(const SparseCloud& cloud, int max_tr
 
   std::vector<FusedView> views = placeDepthMaps(index);
   if (views.empty()) return ReconStatus::TooFewPoints;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (stop.stop_requested()) return ReconStatus::Cancelled;
-    countAgreement(views, i, view_.level(kDepthLevel), settings_);
-  }
+  onThreads(settings_.threads, [&](int thread) {
+    for (std::size_t i = static_cast<std::size_t>(thread);
+         i < views.size() && !stop.stop_requested();
+         i += static_cast<std::size_t>(settings_.threads))
+      countAgreement(views, i, view_.level(kDepthLevel), settings_);
+  });
+  if (stop.stop_requested()) return ReconStatus::Cancelled;
   float voxel_size = depth * static_cast<float>(settings_.voxel_size);
   for (;; voxel_size *= kCoarser) {
     const ReconStatus status = fuse(views, voxel_size, stop);
@@ -77,35 +84,55 @@ ReconStatus DenseReconstructor::makeDepthMaps(const CloudIndex& index,
   const auto& poses = index.cloud().views_T_camera_world;
   const double depth = index.medianDepth();
   std::vector<double> apart(stored_.size(), std::numeric_limits<double>::max());
-  const auto has = [&](std::size_t k) {
-    for (std::size_t other = 0; other < apart.size(); ++other)
-      apart[other] = std::min(apart[other], motionBetween(poses[k], poses[other], depth));
+  const auto has = [&](std::vector<double>& from, std::size_t k) {
+    for (std::size_t other = 0; other < from.size(); ++other)
+      from[other] = std::min(from[other], motionBetween(poses[k], poses[other], depth));
   };
   for (std::size_t k = 0; k < stored_.size(); ++k)
     if (stored_[k] == nullptr)
       apart[k] = 0;
     else if (stored_[k]->depth != nullptr)
-      has(k);
-  for (int n = 0; n < settings_.new_depth_maps;) {
-    const auto farthest = std::max_element(apart.begin(), apart.end());
-    if (farthest == apart.end() || *farthest < settings_.min_motion ||
-        *farthest <= store_.worthFrom(stored_, poses, depth))
-      break;
-    const auto k = static_cast<std::size_t>(farthest - apart.begin());
-    const bool found = estimateDepth(index, k, stop);
+      has(apart, k);
+  for (int made = 0; made < settings_.new_depth_maps;) {
+    const double worth = std::max(settings_.min_motion, store_.worthFrom(stored_, poses, depth));
+    std::vector<std::size_t> chosen;
+    for (std::vector<double> left = apart;
+         static_cast<int>(chosen.size()) < std::min(kAtOnce, settings_.new_depth_maps - made);) {
+      const auto farthest = std::max_element(left.begin(), left.end());
+      if (farthest == left.end() || *farthest <= worth) break;
+      chosen.push_back(static_cast<std::size_t>(farthest - left.begin()));
+      has(left, chosen.back());
+    }
+    if (chosen.empty()) break;
+    const std::array<bool, kAtOnce> found = estimateDepths(index, chosen, stop);
     if (stop.stop_requested()) return ReconStatus::Cancelled;
-    apart[k] = 0;
-    if (!found) continue;
-    std::swap(store_.makeDepth(*stored_[k], stored_, poses, depth), estimate_);
-    has(k);
-    ++n;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      apart[chosen[i]] = 0;
+      if (!found[i]) continue;
+      std::swap(store_.makeDepth(*stored_[chosen[i]], stored_, poses, depth), estimates_[i]);
+      has(apart, chosen[i]);
+      ++made;
+    }
   }
   return ReconStatus::Ok;
 }
 
-/// Fills `estimate_`.
+/// Fills `estimates_`, in the order of `views`; which of them could be.
+std::array<bool, DenseReconstructor::kAtOnce> DenseReconstructor::estimateDepths(
+    const CloudIndex& index, const std::vector<std::size_t>& views, const std::stop_token& stop) {
+  std::array<bool, kAtOnce> found{};
+  const std::size_t threads = std::min(estimators_.size(), views.size());
+  onThreads(static_cast<int>(threads), [&](int thread) {
+    for (auto i = static_cast<std::size_t>(thread); i < views.size(); i += threads)
+      found[i] = estimateDepth(index, views[i], estimators_[static_cast<std::size_t>(thread)],
+                               estimates_[i], stop);
+  });
+  return found;
+}
+
 bool DenseReconstructor::estimateDepth(const CloudIndex& index, std::size_t view,
-                                       const std::stop_token& stop) {
+                                       DepthEstimator& estimator, DepthMap& out,
+                                       const std::stop_token& stop) const {
   const SparseCloud& cloud = index.cloud();
   const Pose& T_reference_world = cloud.views_T_camera_world[view];
   std::vector<DepthSource> sources;
@@ -119,9 +146,9 @@ bool DenseReconstructor::estimateDepth(const CloudIndex& index, std::size_t view
     if (point.z() > 0 && cloud.points[p].observations >= kMinSeedObservations)
       seeds.push_back({pixelOf(point, view_.level(0)), static_cast<float>(1 / point.z())});
   }
-  return estimator_.estimate(stored_[view]->picture, sources, seeds,
-                             static_cast<float>(settings_.max_error) * index.medianDepth(),
-                             estimate_, stop);
+  return estimator.estimate(stored_[view]->picture, sources, seeds,
+                            static_cast<float>(settings_.max_error) * index.medianDepth(), out,
+                            stop);
 }
 
 /// Each depth map at its view's pose, its unit of length taken from the map points it sees.
@@ -164,10 +191,14 @@ ReconStatus DenseReconstructor::fuse(const std::vector<FusedView>& views, float 
   volume_.begin(voxel_size, static_cast<float>(settings_.truncation));
   for (const FusedView& view : views)
     if (!volume_.allocate(view, level)) return ReconStatus::Failed;
-  for (const FusedView& view : views) {
-    if (stop.stop_requested()) return ReconStatus::Cancelled;
-    volume_.integrate(view, level);
-  }
+  onThreads(settings_.threads, [&](int thread) {
+    for (const FusedView& view : views) {
+      if (stop.stop_requested()) return;
+      volume_.integrate(view, level, scratch_[static_cast<std::size_t>(thread)], thread,
+                        settings_.threads);
+    }
+  });
+  if (stop.stop_requested()) return ReconStatus::Cancelled;
   volume_.finish();
   return ReconStatus::Ok;
 }

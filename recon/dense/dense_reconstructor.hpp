@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <stop_token>
 
 #include "recon/dense/depth_estimator.hpp"
@@ -27,19 +28,26 @@ class DenseReconstructor {
                           const std::stop_token& stop);
 
  private:
+  static constexpr int kAtOnce = 2;  // depth maps chosen together, and worked out side by side
+
   ReconStatus makeDepthMaps(const CloudIndex& index, const std::stop_token& stop);
-  bool estimateDepth(const CloudIndex& index, std::size_t view, const std::stop_token& stop);
+  std::array<bool, kAtOnce> estimateDepths(const CloudIndex& index,
+                                           const std::vector<std::size_t>& views,
+                                           const std::stop_token& stop);
+  bool estimateDepth(const CloudIndex& index, std::size_t view, DepthEstimator& estimator,
+                     DepthMap& out, const std::stop_token& stop) const;
   std::vector<FusedView> placeDepthMaps(const CloudIndex& index) const;
   ReconStatus fuse(const std::vector<FusedView>& views, float voxel_size,
                    const std::stop_token& stop);
 
   DenseSettings settings_;
   PinholeView view_;
-  DepthEstimator estimator_;
-  DepthMap estimate_;  // the newest, on its way into the store
+  std::vector<DepthEstimator> estimators_;   // of each thread
+  std::array<DepthMap, kAtOnce> estimates_;  // on their way into the store
   ViewStore store_;
   std::vector<StoredView*> stored_;  // of each view of the cloud at hand
   TsdfVolume volume_;
+  std::vector<TsdfVolume::ViewPixels> scratch_;  // of each thread
 };
 
 }  // namespace depthscope::recon

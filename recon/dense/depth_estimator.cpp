@@ -10,8 +10,7 @@ namespace {
 
 constexpr int kCoarsest = kLevels - 1;
 constexpr int kCoarseHypotheses = 32;  // planes over the whole range of depth
-constexpr int kFineHypotheses = 8;     // around the depth found at the level before,
-constexpr int kFinestHypotheses = 4;   // at the finest level
+constexpr int kFineHypotheses = 4;     // around the depth found at the level before
 /// Of the surface from the line of sight. Steeper is, where depth jumps, a bridge from near to far;
 /// tissue as steep as that is seen less steeply by another view.
 constexpr double kMaxTilt_deg = 75;
@@ -154,7 +153,7 @@ void DepthEstimator::chooseDepths() {
 void DepthEstimator::refineCentre(int finer_level, float step) {
   smooth(inverse_depth_, smoothed_);
   const PinholeLevel& finer = view_.level(finer_level);
-  volume_.hypotheses = finer_level == 0 ? kFinestHypotheses : kFineHypotheses;
+  volume_.hypotheses = kFineHypotheses;
   volume_.step = step;
   volume_.centre.reset(finer.width, finer.height);
   for (int y = 0; y < finer.height; ++y)

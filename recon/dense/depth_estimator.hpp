@@ -21,9 +21,9 @@ struct DepthSource {
   Pose T_source_reference;
 };
 
-/// Multi-view stereo of one view, from coarse to fine: at the coarsest level all depths that
-/// the map points span are tried, at the finer ones a few around what was found before. Buffers are
-/// kept from call to call.
+/// Multi-view stereo of one view, from coarse to fine: at the coarsest level all depths that the
+/// map points span are tried, at the finer a few around what was found before. Buffers are kept
+/// from call to call.
 class DepthEstimator {
  public:
   static constexpr int kRadius = Correlator::kLarge;  // of the largest windows [px]

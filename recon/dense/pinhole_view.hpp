@@ -7,7 +7,10 @@
 
 namespace depthscope::recon {
 
-inline constexpr int kLevels = 3;  // of the pictures' pyramid, each half the size of the one before
+/// Of the pictures' pyramid, each half the size of the one before. At a third level the fine
+/// vessels of smooth walls are gone: of a wall 100 to 140 mm away the best of all depths,
+/// neighbours not asked, was right to 6 mm in 64 % of its pixels there, in 87 % at the second.
+inline constexpr int kLevels = 2;
 
 /// Intrinsics of one level of a pinhole view [px]; the centre of the first pixel is (0, 0).
 struct PinholeLevel {

@@ -1,6 +1,7 @@
 #include "recon/dense/plane_sweep.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "types/vector_clones.hpp"
@@ -102,6 +103,15 @@ void gatherRow(int width, const std::uint32_t* __restrict quads,
   for (int x = 0; x < width; ++x) to[x] = quads[place[x]];
 }
 
+/// Leaves usable what is there, too. The mask has words for cells: vectors gather no bytes.
+DEPTHSCOPE_CLONES
+void maskRow(int width, const std::uint32_t* __restrict usable_there,
+             const std::int32_t* __restrict place, std::uint32_t* __restrict seen,
+             std::uint8_t* __restrict usable) {
+  for (int x = 0; x < width; ++x) seen[x] = usable_there[place[x]];
+  for (int x = 0; x < width; ++x) usable[x] &= static_cast<std::uint8_t>(seen[x]);
+}
+
 /// Bilinear interpolation.
 DEPTHSCOPE_CLONES
 void blendRow(int width, const std::uint32_t* __restrict quads,
@@ -132,8 +142,15 @@ void PlaneSweep::begin(const RectifiedLevel& reference, const std::vector<SweepS
   place_.resize(static_cast<std::size_t>(luma.width));
   weights_.resize(place_.size());
   row_quads_.resize(place_.size());
-  quads_.resize(std::max(quads_.size(), sources.size()));
-  for (std::size_t s = 0; s < sources.size(); ++s) pack(sources[s].picture->luma, quads_[s]);
+  row_usable_.resize(place_.size());
+  packed_.resize(std::max(packed_.size(), sources.size()));
+  for (std::size_t s = 0; s < sources.size(); ++s) {
+    const RectifiedLevel& picture = *sources[s].picture;
+    pack(picture.luma, packed_[s].quads);
+    packed_[s].usable.reset(picture.usable.width, picture.usable.height);
+    std::copy(picture.usable.cells.begin(), picture.usable.cells.end(),
+              packed_[s].usable.cells.begin());
+  }
 }
 
 void PlaneSweep::plane(const std::vector<SweepSource>& sources, const PinholeLevel& level, int k,
@@ -144,7 +161,7 @@ void PlaneSweep::plane(const std::vector<SweepSource>& sources, const PinholeLev
   second_.reset(volume.width, volume.height, 255);
   const std::size_t n = best_.size();
   for (std::size_t s = 0; s < sources.size(); ++s) {
-    warp(sources[s], quads_[s], level, volume, offset);
+    warp(sources[s].T_source_reference, packed_[s], level, volume, offset);
     correlator_.cost(warped_, usable_, cost_);
     keepTwoBest(n, cost_.cells.data(), best_.cells.data(), second_.cells.data());
   }
@@ -157,17 +174,16 @@ void PlaneSweep::plane(const std::vector<SweepSource>& sources, const PinholeLev
   }
 }
 
-void PlaneSweep::warp(const SweepSource& source, const Grid<std::uint32_t>& quads,
+void PlaneSweep::warp(const Pose& T_source_reference, const PackedSource& source,
                       const PinholeLevel& level, const CostVolume& volume, float offset) {
-  const Warp w = warpOf(source.T_source_reference, level);
-  const std::uint8_t* usable_there = source.picture->usable.cells.data();
+  const Warp w = warpOf(T_source_reference, level);
   for (int y = 0; y < volume.height; ++y) {
     const RowWarp row{w.H.col(1) * static_cast<float>(y) + w.H.col(2), w.H.col(0), w.e,
                       volume.width, volume.height};
     std::uint8_t* usable = usable_.row(y);
     placeRow(row, volume.centre.row(y), offset, place_.data(), weights_.data(), usable);
-    gatherRow(volume.width, quads.cells.data(), place_.data(), row_quads_.data());
-    for (std::size_t x = 0; x < place_.size(); ++x) usable[x] &= usable_there[place_[x]];
+    gatherRow(volume.width, source.quads.cells.data(), place_.data(), row_quads_.data());
+    maskRow(volume.width, source.usable.cells.data(), place_.data(), row_usable_.data(), usable);
     blendRow(volume.width, row_quads_.data(), weights_.data(), warped_.row(y));
   }
 }

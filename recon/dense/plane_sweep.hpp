@@ -42,20 +42,27 @@ class PlaneSweep {
   }
 
  private:
+  /// A source as rows are gathered from it.
+  struct PackedSource {
+    Grid<std::uint32_t> quads;   // a pixel, its right, lower, and lower right neighbour, from the
+                                 // lowest byte up
+    Grid<std::uint32_t> usable;  // 1 or 0
+  };
+
   void begin(const RectifiedLevel& reference, const std::vector<SweepSource>& sources, int radius,
              float noise, CostVolume& volume);
   void plane(const std::vector<SweepSource>& sources, const PinholeLevel& level, int k,
              CostVolume& volume);
-  void warp(const SweepSource& source, const Grid<std::uint32_t>& quads, const PinholeLevel& level,
+  void warp(const Pose& T_source_reference, const PackedSource& source, const PinholeLevel& level,
             const CostVolume& volume, float offset);
 
   Correlator correlator_;
-  std::vector<Grid<std::uint32_t>> quads_;  // of each source: a pixel, its right, lower, and
-                                            // lower right neighbour, from the lowest byte up
+  std::vector<PackedSource> packed_;
   Grid<std::uint8_t> warped_, usable_, cost_, best_, second_;
-  // Of one row: the pixel's place in the source, the weights of its quad [1/1024], the quad.
+  // Of one row: the pixel's place in the source, the weights of its quad [1/1024], the quad, and
+  // whether it may be used.
   std::vector<std::int32_t> place_;
-  std::vector<std::uint32_t> weights_, row_quads_;
+  std::vector<std::uint32_t> weights_, row_quads_, row_usable_;
 };
 
 }  // namespace depthscope::recon

@@ -80,21 +80,21 @@ bool TsdfVolume::allocate(const FusedView& view, const PinholeLevel& level) {
   return true;
 }
 
-void TsdfVolume::integrate(const FusedView& view, const PinholeLevel& level) {
-  prepare(view, level);
+void TsdfVolume::integrate(const FusedView& view, const PinholeLevel& level, ViewPixels& scratch,
+                           int first, int step) {
+  prepare(view, level, scratch);
   const Eigen::Matrix3f R = view.T_camera_world.R.cast<float>();
   const Eigen::Vector3f t = view.T_camera_world.t.cast<float>();
-  for (int b = 0; b < blocks(); ++b) integrateBlock(b, level, R, t);
+  for (int b = first; b < blocks(); b += step) integrateBlock(b, scratch, level, R, t);
 }
 
-/// What every voxel needs to know of the pixel it falls on.
-void TsdfVolume::prepare(const FusedView& view, const PinholeLevel& level) {
+void TsdfVolume::prepare(const FusedView& view, const PinholeLevel& level, ViewPixels& out) const {
   const DepthMap& map = *view.map;
-  pixels_.reset(level.width, level.height);
-  farthest_.reset(level.width / kTile_px + 1, level.height / kTile_px + 1);
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+  out.pixels.reset(level.width, level.height);
+  out.farthest.reset(level.width / kTile_px + 1, level.height / kTile_px + 1);
+  for (std::size_t i = 0; i < out.pixels.size(); ++i) {
     const float q = map.inverse_depth.cells[i] * view.inverse_scale;
-    Pixel& pixel = pixels_.cells[i];
+    ViewPixels::Pixel& pixel = out.pixels.cells[i];
     if (!(q > 0) || view.agreeing.cells[i] == 0) continue;
     const float slant = map.slant.cells[i];
     // Voxels per pixel of disparity, along the normal: the standard deviation is a part of it.
@@ -104,7 +104,7 @@ void TsdfVolume::prepare(const FusedView& view, const PinholeLevel& level) {
     pixel.weight = slant * slant / (deviation * deviation) *
                    static_cast<float>(map.confidence.cells[i] * view.agreeing.cells[i]);
     const auto x = static_cast<int>(i) % level.width, y = static_cast<int>(i) / level.width;
-    float& farthest = farthest_.at(x / kTile_px, y / kTile_px);
+    float& farthest = out.farthest.at(x / kTile_px, y / kTile_px);
     farthest = std::max(farthest, pixel.depth + truncation_ / pixel.slant);
   }
 }
@@ -143,10 +143,23 @@ void placeBlock(const BlockFrame& block, const PinholeLevel& level, BlockPlaces&
   }
 }
 
+/// Whether a pixel up to `reach_px` from (u, v) may see a surface within the truncation of what is
+/// `depth` away or farther.
+bool anyReaches(const Grid<float>& farthest, float u, float v, float reach_px, float depth) {
+  const auto tile = [](float at, int tiles) {
+    return std::clamp(static_cast<int>(at) / kTile_px, 0, tiles - 1);
+  };
+  const int right = tile(u + reach_px, farthest.width), below = tile(v + reach_px, farthest.height);
+  for (int y = tile(v - reach_px, farthest.height); y <= below; ++y)
+    for (int x = tile(u - reach_px, farthest.width); x <= right; ++x)
+      if (farthest.at(x, y) >= depth) return true;
+  return false;
+}
+
 }  // namespace
 
-void TsdfVolume::integrateBlock(int block, const PinholeLevel& level, const Eigen::Matrix3f& R,
-                                const Eigen::Vector3f& t) {
+void TsdfVolume::integrateBlock(int block, const ViewPixels& view, const PinholeLevel& level,
+                                const Eigen::Matrix3f& R, const Eigen::Vector3f& t) {
   const Eigen::Vector3f corner = key(block).cast<float>() * (kSide * voxel_size_);
   const Eigen::Vector3f first = R * corner + t;
   const float half = static_cast<float>(kSide - 1) / 2 * voxel_size_;
@@ -157,7 +170,7 @@ void TsdfVolume::integrateBlock(int block, const PinholeLevel& level, const Eige
   const float mu = level.f * middle.x() / middle.z() + level.cx;
   const float mv = level.f * middle.y() / middle.z() + level.cy;
   if (mu < -blur || mv < -blur || mu > level.width + blur || mv > level.height + blur) return;
-  if (!anyReaches(mu, mv, blur + 1, middle.z() - kRounding * radius)) return;
+  if (!anyReaches(view.farthest, mu, mv, blur + 1, middle.z() - kRounding * radius)) return;
 
   const auto array = [](const Eigen::Vector3f& v) { return std::array{v.x(), v.y(), v.z()}; };
   BlockPlaces places;
@@ -167,7 +180,7 @@ void TsdfVolume::integrateBlock(int block, const PinholeLevel& level, const Eige
   Voxel* voxel = voxels_.data() + static_cast<std::ptrdiff_t>(block) * kVoxels;
   for (std::size_t i = 0; i < kVoxels; ++i, ++voxel) {
     if (places.pixel[i] < 0) continue;
-    const Pixel& pixel = pixels_.cells[static_cast<std::size_t>(places.pixel[i])];
+    const ViewPixels::Pixel& pixel = view.pixels.cells[static_cast<std::size_t>(places.pixel[i])];
     const float ahead = (pixel.depth - places.depth[i]) * pixel.slant;
     if (pixel.weight == 0 || ahead < -truncation_) continue;
     const float d = std::min(ahead, truncation_);
@@ -176,20 +189,6 @@ void TsdfVolume::integrateBlock(int block, const PinholeLevel& level, const Eige
     voxel->squared_distance += pixel.weight * d * d;
     voxel->views += ahead < truncation_ ? 1.f : 0.f;
   }
-}
-
-/// Whether a pixel up to `reach_px` from (u, v) may see a surface within the truncation of what is
-/// `depth` away or farther.
-bool TsdfVolume::anyReaches(float u, float v, float reach_px, float depth) const {
-  const auto tile = [](float at, int tiles) {
-    return std::clamp(static_cast<int>(at) / kTile_px, 0, tiles - 1);
-  };
-  const int right = tile(u + reach_px, farthest_.width),
-            below = tile(v + reach_px, farthest_.height);
-  for (int y = tile(v - reach_px, farthest_.height); y <= below; ++y)
-    for (int x = tile(u - reach_px, farthest_.width); x <= right; ++x)
-      if (farthest_.at(x, y) >= depth) return true;
-  return false;
 }
 
 void TsdfVolume::finish() {

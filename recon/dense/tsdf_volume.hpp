@@ -33,8 +33,20 @@ class TsdfVolume {
   void begin(float voxel_size, float truncation);
   /// Makes the blocks around a view's depths. False when the store is full.
   bool allocate(const FusedView& view, const PinholeLevel& level);
-  /// Adds a view's distances to the blocks that are there.
-  void integrate(const FusedView& view, const PinholeLevel& level);
+  /// What voxels need to know of a view's pixels.
+  struct ViewPixels {
+    struct Pixel {
+      float depth = 0;   // along the optical axis [map unit]
+      float slant = 0;   // voxels along the normal by map unit of depth
+      float weight = 0;  // 0: unknown
+    };
+    Grid<Pixel> pixels;
+    Grid<float> farthest;  // of each tile: depth within the truncation of a surface
+  };
+  /// Adds a view's distances to the blocks that are there: to every `step`-th from `first`, so that
+  /// threads, each with a scratch of its own, can share them.
+  void integrate(const FusedView& view, const PinholeLevel& level, ViewPixels& scratch,
+                 int first = 0, int step = 1);
   /// After the last view.
   void finish();
 
@@ -53,23 +65,14 @@ class TsdfVolume {
  private:
   bool insert(const Key& key);
   std::size_t slotOf(const Key& key) const;
-  struct Pixel {
-    float depth = 0;   // along the optical axis [map unit]
-    float slant = 0;   // voxels along the normal by map unit of depth
-    float weight = 0;  // 0: unknown
-  };
-
-  bool anyReaches(float u, float v, float reach_px, float depth) const;
-  void prepare(const FusedView& view, const PinholeLevel& level);
-  void integrateBlock(int block, const PinholeLevel& level, const Eigen::Matrix3f& R,
-                      const Eigen::Vector3f& t);
+  void prepare(const FusedView& view, const PinholeLevel& level, ViewPixels& out) const;
+  void integrateBlock(int block, const ViewPixels& view, const PinholeLevel& level,
+                      const Eigen::Matrix3f& R, const Eigen::Vector3f& t);
 
   float voxel_size_ = 1, truncation_ = 4;
   std::size_t capacity_;
   std::vector<Key> keys_;
   std::vector<Voxel> voxels_;
-  Grid<float> farthest_;  // of each tile of that view: depth within the truncation of a surface
-  Grid<Pixel> pixels_;    // of the view that is integrated
   std::vector<std::int32_t> slots_;  // open addressing: block, or kNone
 };
 

@@ -69,6 +69,23 @@ TEST(DenseReconstructor, GivesTheSameBitsTwice) {
   EXPECT_EQ(a.confidence, b.confidence);
 }
 
+TEST(DenseReconstructor, GivesTheSameBitsOnAnyNumberOfThreads) {
+  const RenderedViews scene = renderViews(hill, 7);
+  std::vector<SurfaceMesh> meshes;
+  for (int threads : {1, 2, 3}) {
+    DenseSettings settings;
+    settings.threads = threads;
+    DenseReconstructor reconstructor(scene.camera, settings);
+    for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
+    ASSERT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, meshes.emplace_back(), {}),
+              ReconStatus::Ok);
+  }
+  for (const SurfaceMesh& mesh : meshes) {
+    EXPECT_EQ(mesh.vertices, meshes.front().vertices);
+    EXPECT_EQ(mesh.confidence, meshes.front().confidence);
+  }
+}
+
 TEST(DenseReconstructor, KeepsDepthMapsAndFollowsTheMapsUnitOfLength) {
   const RenderedViews scene = renderViews(hill, 6);
   DenseReconstructor reconstructor(scene.camera, {});
@@ -91,8 +108,10 @@ TEST(DenseReconstructor, SeesMoreFromViewsBetweenAndBesideKeyframes) {
   SparseCloud keyframes_alone = cloud;
   keyframes_alone.views_T_camera_world.resize(3);
   keyframes_alone.view_frames.resize(3);
+  DenseSettings settings;
+  settings.min_confidence = 0.7;  // more than three views give beside the middle
   const auto areaFor = [&](const SparseCloud& c) {
-    DenseReconstructor reconstructor(scene.camera, {});
+    DenseReconstructor reconstructor(scene.camera, settings);
     for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
     SurfaceMesh mesh;
     const bool ok = reconstructor.reconstruct(c, kTriangles, mesh, {}) == ReconStatus::Ok;

@@ -1,7 +1,10 @@
 #include "recon/reconstruction_worker.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <future>
 
 #include "synthetic_cloud.hpp"
@@ -42,6 +45,16 @@ bool take(ReconstructionWorker& worker, SurfaceMesh& mesh) {
     std::this_thread::yield();
   }
   return false;
+}
+
+TEST(ReconstructionWorker, GivesWayToTheThreadThatMadeIt) {
+  std::promise<int> nice;
+  ReconstructionWorker worker({}, sparseSettings(), [&](const ReconReport&) {
+    nice.set_value(::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid())));
+  });
+  request(worker, heightCloud(flat, 20, 0.01f));
+  const int mine = ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()));
+  EXPECT_EQ(nice.get_future().get(), std::min(mine + 10, 19));
 }
 
 TEST(ReconstructionWorker, DeliversEachMeshOnce) {

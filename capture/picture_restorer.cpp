@@ -8,13 +8,13 @@ namespace depthscope::capture {
 namespace {
 
 /// Fields come one by one, each as a picture of half the height.
-bool comesInFields(v4l2_field field) {
+bool comesInFields(__u32 field) {
   return field == V4L2_FIELD_ALTERNATE || field == V4L2_FIELD_TOP || field == V4L2_FIELD_BOTTOM;
 }
 
 /// The newer field of a picture, and where it is. "Interlaced" leaves the order to the standard:
 /// NTSC, of 480 lines, sends the bottom field first, everything else the top one.
-FieldLines newerField(v4l2_field layout, v4l2_field picture, int height) {
+FieldLines newerField(__u32 layout, __u32 picture, int height) {
   using Place = FieldLines::Place;
   switch (layout) {
     case V4L2_FIELD_INTERLACED_TB:
@@ -36,7 +36,7 @@ FieldLines newerField(v4l2_field layout, v4l2_field picture, int height) {
   }
 }
 
-bool isProgressive(v4l2_field field) {
+bool isProgressive(__u32 field) {
   return field == V4L2_FIELD_NONE || field == V4L2_FIELD_ANY;
 }
 
@@ -64,7 +64,7 @@ FrameFormat PictureRestorer::format() const {
   return format;
 }
 
-Frame PictureRestorer::restore(Frame taken, std::size_t bytes, v4l2_field field, bool& damaged) {
+Frame PictureRestorer::restore(Frame taken, std::size_t bytes, __u32 field, bool& damaged) {
   damaged = false;
   if (isProgressive(layout_.field) && !layout_.jpeg) return taken;
   Frame whole = layout_.jpeg ? decoded(taken, bytes, damaged) : deinterlaced(taken, field);
@@ -87,7 +87,7 @@ Frame PictureRestorer::acquire(const FrameFormat& format) {
   return pool_->acquire();
 }
 
-Frame PictureRestorer::deinterlaced(const Frame& taken, v4l2_field field) {
+Frame PictureRestorer::deinterlaced(const Frame& taken, __u32 field) {
   Frame whole = acquire(format());
   if (!whole.empty())
     deinterlace(taken, newerField(layout_.field, field, whole.format.height), whole);

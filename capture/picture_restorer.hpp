@@ -19,10 +19,10 @@ class PictureRestorer {
   FrameFormat format() const;
   /// `taken` is a picture in the layout's format; `bytes` of it are filled, and `field` is what the
   /// driver said of this one. Empty: it is damaged, or (none lent out is free) to be skipped.
-  Frame restore(Frame taken, std::size_t bytes, v4l2_field field, bool& damaged);
+  Frame restore(Frame taken, std::size_t bytes, __u32 field, bool& damaged);
 
  private:
-  Frame deinterlaced(const Frame& taken, v4l2_field field);
+  Frame deinterlaced(const Frame& taken, __u32 field);
   Frame decoded(const Frame& taken, std::size_t bytes, bool& damaged);
   Frame acquire(const FrameFormat& format);
 

@@ -165,7 +165,7 @@ std::optional<V4l2Layout> layoutOf(const v4l2_format& format) {
   layout.format.pixel_format = pixels->pixels;
   layout.format.width = static_cast<int>(from.width);
   layout.format.height = static_cast<int>(from.height);
-  layout.field = static_cast<v4l2_field>(from.field);
+  layout.field = from.field;
   layout.jpeg = pixels->jpeg;
   setColour(from, layout.format);
   const int pieces = pixels->split ? planeCount(pixels->pixels) : 1;

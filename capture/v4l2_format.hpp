@@ -16,10 +16,10 @@ namespace depthscope::capture {
 /// Where a picture's planes lie in the memory of a V4L2 buffer.
 struct V4l2Layout {
   __u32 fourcc = 0;
-  FrameFormat format;  // of what is in a buffer: of one field where `field` is ALTERNATE
-  bool jpeg = false;   // compressed: no planes to speak of
-  v4l2_field field = V4L2_FIELD_NONE;
-  int memory_planes = 1;  // separately mapped pieces of a buffer
+  FrameFormat format;             // of what is in a buffer: of one field where `field` is ALTERNATE
+  bool jpeg = false;              // compressed: no planes to speak of
+  __u32 field = V4L2_FIELD_NONE;  // v4l2_field, or whatever else a driver says
+  int memory_planes = 1;          // separately mapped pieces of a buffer
   struct {
     int memory = 0;             // the piece it lies in
     std::size_t offset = 0;     // [bytes]

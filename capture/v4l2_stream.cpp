@@ -124,7 +124,7 @@ int V4l2Stream::dequeue(Filled& filled) {
   --queued_;
   last_sign_ = calls_.now();
   filled.slot = static_cast<int>(buffer.index);
-  filled.field = static_cast<v4l2_field>(buffer.field);
+  filled.field = buffer.field;
   setTime(buffer, filled);
   judge(buffer, planes, filled);
   return 0;

@@ -45,7 +45,7 @@ class V4l2Stream final : public FrameLender {
     int error = 0;          // -errno: the stream is over
     Frame frame;            // empty: none there
     std::size_t bytes = 0;  // that the first piece of memory holds, for compressed ones
-    v4l2_field field = V4L2_FIELD_NONE;
+    __u32 field = V4L2_FIELD_NONE;
   };
   /// The newest picture that is there and sound; older ones go back to the card. One captured
   /// longer ago than `max_age` is no live picture any more, and is skipped too.
@@ -64,7 +64,7 @@ class V4l2Stream final : public FrameLender {
     int slot = -1;
     std::size_t bytes = 0;
     std::array<std::size_t, 3> data_offset{};
-    v4l2_field field = V4L2_FIELD_NONE;
+    __u32 field = V4L2_FIELD_NONE;
     std::uint64_t sequence = 0;
     Time captured;
     bool timed = false;  // by the driver

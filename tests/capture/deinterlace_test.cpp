@@ -5,7 +5,7 @@
 namespace depthscope::capture {
 namespace {
 
-class V4l2Fields : public V4l2Test, public testing::WithParamInterface<v4l2_field> {};
+class V4l2Fields : public V4l2Test, public testing::WithParamInterface<__u32> {};
 
 /// The earlier field sees red, the later one a ramp down the picture: none of the red may come out,
 /// and between its lines the ramp has to go on.
@@ -67,7 +67,7 @@ TEST_F(V4l2Test, ChromaOfInterlacedPicturesIsOfTheSameField) {
 }
 
 TEST_F(V4l2Test, AnUnknownOrderOfFieldsIsRefusedInWords) {
-  plug({.field = static_cast<v4l2_field>(77)});
+  plug({.field = 77});
   open();
   EXPECT_EQ(source->read(0ms).status, SourceStatus::UnsupportedMode);
   EXPECT_EQ(source->detail(), "an unknown order of fields");

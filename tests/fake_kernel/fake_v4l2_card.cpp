@@ -164,9 +164,8 @@ void FakeV4l2Card::complete(Time when) {
       options_.monotonic ? V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC : V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
   const bool alternate = options_.field == V4L2_FIELD_ALTERNATE;
   buffer.done.sequence = static_cast<__u32>(alternate ? index / 2 : index);
-  buffer.done.field = !alternate       ? options_.field
-                      : index % 2 == 0 ? V4L2_FIELD_TOP
-                                       : V4L2_FIELD_BOTTOM;
+  const __u32 of_frame = index % 2 == 0 ? V4L2_FIELD_TOP : V4L2_FIELD_BOTTOM;
+  buffer.done.field = alternate ? of_frame : options_.field;
   const auto us =
       std::chrono::duration_cast<std::chrono::microseconds>(when.time_since_epoch()).count();
   buffer.done.timestamp = {us / 1000000, us % 1000000};

@@ -31,7 +31,7 @@ class FakeV4l2Card final : public FakeDevice {
     std::vector<std::pair<__u32, __u32>> sizes{};  // of a camera
     std::size_t padding = 0;                       // [bytes] after each line
     std::size_t data_offset = 0;                   // [bytes] before the picture, multi-planar only
-    v4l2_field field = V4L2_FIELD_NONE;
+    __u32 field = V4L2_FIELD_NONE;
     __u32 colorspace = V4L2_COLORSPACE_REC709;
     __u32 ycbcr_enc = V4L2_YCBCR_ENC_DEFAULT, quantization = V4L2_QUANTIZATION_DEFAULT;
     Encoding encoding{0.2126, 0.0722, true};  // what the numbers above mean

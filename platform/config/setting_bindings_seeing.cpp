@@ -7,7 +7,7 @@ namespace {
 void bindDense(SettingBinder& b, recon::DenseSettings& s) {
   b.section("recon.dense");
   b.number("threads", s.threads, 1, 16, "that share the work; the surface does not depend on it");
-  b.number("pictures", s.pictures, 4, 1000, "keyframe pictures kept, 0.2 MB each");
+  b.number("pictures", s.pictures, 4, 1000, "of views, kept, 0.2 MB each");
   b.number("depth_maps", s.depth_maps, 2, 1000, "kept and fused, 0.2 MB each");
   b.number("picture_width", s.picture_width, 80, 640, "[px] that pictures are reduced to");
   b.number("dark_threshold", s.dark_threshold, 0, 255,
@@ -19,9 +19,9 @@ void bindDense(SettingBinder& b, recon::DenseSettings& s) {
   b.number("new_depth_maps", s.new_depth_maps, 1, 100, "made for one surface at most");
   b.number("min_motion", s.min_motion, 0.001, 10,
            "distance over depth plus angle [rad] from all views that have one");
-  b.number("views", s.views, 1, 10, "neighbours that a keyframe is matched with");
+  b.number("views", s.views, 1, 10, "neighbours that a view is matched with");
   b.number("best_angle_deg", s.best_angle_deg, 1, 60,
-           "between the lines of sight of keyframe and neighbour");
+           "between the lines of sight of view and neighbour");
   b.number("noise", s.noise, 0.1, 50, "[grey levels] texture below it does not correlate");
   b.number("step_px", s.step_px, 0.1, 2, "of disparity between hypotheses");
   b.number("smoothness_small", s.smoothness_small, 0, 1000, "P1 of semi-global matching");

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "slam/cross_map_locator.hpp"
 #include "slam/keyframe_database.hpp"
 #include "slam/matcher.hpp"
 #include "slam/sim3_solver.hpp"
@@ -26,8 +27,9 @@ struct PlaceLink {
 /// Recognises places that are in the map twice (Mur-Artal et al. 2015, section VII.A and B): asks
 /// the database, finds the similarity by RANSAC, refines it with points searched for under its
 /// guidance, and has it confirmed by the keyframes around, or by the next keyframe that finds the
-/// same similarity from scratch. Rather misses a place than mistakes one. Called by the mapper;
-/// reads the map without its mutex. Allocates nothing.
+/// same similarity from scratch. Keyframes of other maps are tried one after the other as well, as
+/// if the camera were lost. Rather misses a place than mistakes one. Called by the mapper; reads
+/// the map without its mutex. Allocates nothing.
 class PlaceRecognizer {
  public:
   PlaceRecognizer(const SlamSettings& settings, const Map& map, const KeyframeDatabase& database);
@@ -43,6 +45,8 @@ class PlaceRecognizer {
   bool isConnected(KeyframeId keyframe) const { return shared_[keyframe] >= kConnected; }
   double leastSimilarityAround(KeyframeId keyframe);
   std::optional<PlaceLink> examine(KeyframeId now, KeyframeId before);
+  std::optional<PlaceLink> locateElsewhere(KeyframeId now);
+  std::optional<PlaceLink> verify(PlaceLink link);
   void matchPoints(KeyframeId now, KeyframeId before);
   void addMatch(PointId before, KeyframeId preferred, KeyframeId now, int feature);
   void collectWindow(KeyframeId before);
@@ -55,8 +59,8 @@ class PlaceRecognizer {
 
   const Map& map_;
   const KeyframeDatabase& database_;
-  CameraModel camera_;
   Matcher matcher_;
+  CrossMapLocator locator_;
   PlaceQuery query_, score_query_;
   std::vector<int> shared_;             // per keyframe: points it shares with the one in question
   std::vector<KeyframeId> neighbours_;  // of the keyframe in question, most shared points first
@@ -75,7 +79,6 @@ class PlaceRecognizer {
   std::vector<ProjectedPoint> projected_;
   std::vector<PointPair> pairs_;
   std::optional<PlaceLink> unconfirmed_;  // found by an earlier keyframe
-  int unconfirmed_corrections_ = 0;       // Map::corrections() then: its world still stands
 };
 
 }  // namespace depthscope::slam

@@ -12,9 +12,9 @@ constexpr int kMinFeaturesOfAPicture = 100;  // fewer: dark, fogged or covered
 constexpr double kMotionHolds_s = 0.2;       // so long a hand may go on as it went
 constexpr double kNear_s = 0.35;             // so long it is near where it was
 constexpr double kFoundAgain = 0.2;          // of the points of the last frame tracked
-constexpr float kMinSpread = 0.3f;     // of points carried over from the last frame tracked
-// Of a place found in the whole map. Where the scope came back from behind 45 black pictures with its
-// view turned by 10 to 35 degrees, right poses rested on 30 to 60 points of a thousand; in 1500
+constexpr float kMinSpread = 0.3f;           // of points carried over from the last frame tracked
+// Of a place found in the whole map. Where the scope came back from behind 45 black pictures with
+// its view turned by 10 to 35 degrees, right poses rested on 30 to 60 points of a thousand; in 1500
 // pictures of places that were never seen (six clips, mirrored) no pose had more than ten.
 constexpr double kMinFoundOfMap = 0.03;
 constexpr float kMinSpreadOfMap = 0.25f;
@@ -28,7 +28,7 @@ Recovery::Recovery(const CameraModel& camera, const SlamSettings& settings, Map&
       camera_(camera),
       map_(map),
       pose_tracker_(pose_tracker),
-      relocalizer_(settings, camera, database),
+      relocalizer_(settings, map.intrinsics(), database),
       anchor_(settings.extractor.features, camera) {}
 
 void Recovery::begin(TrackedFrame& last, const Pose* T_current_last, double now_s) {

@@ -25,9 +25,9 @@ PnpSettings pnpSettings() {
 }
 }  // namespace
 
-Relocalizer::Relocalizer(const SlamSettings& settings, const CameraModel& camera,
+Relocalizer::Relocalizer(const SlamSettings& settings, const Intrinsics& camera,
                          const KeyframeDatabase& database)
-    : camera_{camera.fx, camera.fy, camera.cx, camera.cy},
+    : camera_(camera),
       matcher_(settings.matching, settings.extractor.features),
       pnp_(pnpSettings(), settings.extractor.features),
       database_(database),
@@ -46,13 +46,13 @@ bool Relocalizer::relocalize(const Map& map, const FeatureSet& features, Pose& T
   for (std::size_t i = 0; i < std::min(places.size(), kKeyframesPerFrame); ++i) {
     if (next_ >= places.size()) next_ = 0;
     const Keyframe& keyframe = map.keyframe(places[next_++].keyframe);
-    if (tryKeyframe(map, keyframe, features, T_camera_world, points)) return true;
+    if (relocalize(map, keyframe, features, T_camera_world, points)) return true;
   }
   return false;
 }
 
-bool Relocalizer::tryKeyframe(const Map& map, const Keyframe& keyframe, const FeatureSet& features,
-                              Pose& T_camera_world, std::span<PointRef> points) {
+bool Relocalizer::relocalize(const Map& map, const Keyframe& keyframe, const FeatureSet& features,
+                             Pose& T_camera_world, std::span<PointRef> points) {
   for (int f = 0; f < keyframe.features.size(); ++f) wanted_[f] = keyframe.points[f] != kNone;
   const int n = matcher_.matchByDescriptor(keyframe.features, wanted_, features, kMaxHamming,
                                            kRatio, matches_);

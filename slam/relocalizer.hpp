@@ -13,7 +13,7 @@ namespace depthscope::slam {
 /// RANSAC (Mur-Artal et al. 2015, section V.C).
 class Relocalizer {
  public:
-  Relocalizer(const SlamSettings& settings, const CameraModel& camera,
+  Relocalizer(const SlamSettings& settings, const Intrinsics& camera,
               const KeyframeDatabase& database);
 
   /// Starts with the most similar keyframe at the next call.
@@ -25,10 +25,11 @@ class Relocalizer {
   /// against the local map. Map mutex held.
   bool relocalize(const Map& map, const FeatureSet& features, Pose& T_camera_world,
                   std::span<PointRef> points);
+  /// The same from one keyframe.
+  bool relocalize(const Map& map, const Keyframe& keyframe, const FeatureSet& features,
+                  Pose& T_camera_world, std::span<PointRef> points);
 
  private:
-  bool tryKeyframe(const Map& map, const Keyframe& keyframe, const FeatureSet& features,
-                   Pose& T_camera_world, std::span<PointRef> points);
   /// Of `matches_`, into the observations.
   void takeNearestMatches(const Map& map, const Keyframe& keyframe, const FeatureSet& features);
 

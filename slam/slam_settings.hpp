@@ -73,10 +73,11 @@ struct InitializerSettings {
 
 /// Tracking (slam/tracker).
 struct TrackerSettings {
-  int min_motion_inliers = 10;       // fewer from the last frame: try the reference keyframe
-  int min_inliers = 30;              // fewer in the local map: lost
-  // Fewer after relocalization: not found. With 50, of 31 gaps of 1.5 s in three clips 7 were bridged
-  // only by a new map that was merged later, or never; with 30 there are 3, and no place is mistaken.
+  int min_motion_inliers = 10;  // fewer from the last frame: try the reference keyframe
+  int min_inliers = 30;         // fewer in the local map: lost
+  // Fewer after relocalization: not found. With 50, of 31 gaps of 1.5 s in three clips 7 were
+  // bridged only by a new map that was merged later, or never; with 30 there are 3, and no place is
+  // mistaken.
   int min_inliers_relocalized = 30;
   // Of the points of the last frame, the share found again: a few percent match by chance where the
   // pose is wrong (after a cut, in heavy blur), a third and more where it is right.

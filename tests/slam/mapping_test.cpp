@@ -211,7 +211,7 @@ TEST(Relocalizer, FindsTheCameraFromDescriptorsAlone) {
   std::vector<int> ids;
   const FeatureSet features = world.view(truth, ids, 0.5);
   const KeyframeDatabase database = databaseOf(m);
-  Relocalizer relocalizer(smallSettings(), testCameraModel(), database);
+  Relocalizer relocalizer(smallSettings(), testCamera(), database);
   Pose found;
   std::vector<PointRef> points(400);
   ASSERT_TRUE(relocalizer.relocalize(m.map, features, found, points));
@@ -225,7 +225,7 @@ TEST(Relocalizer, RefusesAPlaceThatIsNotInTheMap) {
   std::vector<int> ids;
   const FeatureSet features = elsewhere.view(Pose{}, ids);
   const KeyframeDatabase database = databaseOf(m);
-  Relocalizer relocalizer(smallSettings(), testCameraModel(), database);
+  Relocalizer relocalizer(smallSettings(), testCamera(), database);
   Pose found;
   std::vector<PointRef> points(400);
   EXPECT_FALSE(relocalizer.relocalize(m.map, features, found, points));

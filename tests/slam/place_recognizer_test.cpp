@@ -26,8 +26,9 @@ class TwoMapsOfOnePlace : public ::testing::Test {
  protected:
   TwoMapsOfOnePlace() { mapAgain(world_, sidewaysPoses(6, 0.15)); }
 
-  /// Adds a second map to the first; points in it are distinct from those of the first.
-  void mapAgain(const World& world, const std::vector<Pose>& true_poses) {
+  /// Adds a second map to the first; points in it are distinct from those of the first. Of what its
+  /// pictures show it has points for one in `every`.
+  void mapAgain(const World& world, const std::vector<Pose>& true_poses, std::size_t every = 1) {
     map_.start();
     std::vector<std::vector<std::pair<KeyframeId, int>>> seen(world.points.size());
     for (std::size_t i = 0; i < true_poses.size(); ++i) {
@@ -38,7 +39,7 @@ class TwoMapsOfOnePlace : public ::testing::Test {
       second_.push_back(k);
       for (std::size_t n = 0; n < ids.size(); ++n) seen[ids[n]].push_back({k, static_cast<int>(n)});
     }
-    for (std::size_t i = 0; i < seen.size(); ++i) {
+    for (std::size_t i = 0; i < seen.size(); i += every) {
       if (seen[i].size() < 2) continue;
       const PointId p = map_.addPoint(T_new_old_ * world.points[i], 0);
       for (const auto& [k, feature] : seen[i]) map_.observe(p, k, feature);
@@ -70,6 +71,21 @@ TEST_F(TwoMapsOfOnePlace, IsRecognisedWithItsSimilarity) {
     EXPECT_LT(
         (map_.point(pair.now).position - T_new_old_ * map_.point(pair.before).position).norm(),
         1e-6);
+}
+
+TEST_F(TwoMapsOfOnePlace, IsRecognisedWhereTheSecondMapHasFewPointsYet) {
+  map_.removeMap(2);
+  second_.clear();
+  mapAgain(world_, sidewaysPoses(6, 0.15), 16);
+  takeAllocationCount();
+  const AllocationScope counted;
+  const auto link = recognizer_.recognize(second_[3]);
+  EXPECT_EQ(takeAllocationCount(), 0);
+  ASSERT_TRUE(link);
+  EXPECT_EQ(map_.keyframe(link->before).map_id, 1u);
+  EXPECT_GT(link->matches, 100);
+  EXPECT_LT(recognizer_.pairs().size(), 20u);  // too few for a similarity by RANSAC
+  EXPECT_LT(logSim3(link->T_before_now * T_new_old_).norm(), 0.02);
 }
 
 TEST_F(TwoMapsOfOnePlace, AllocatesNothing) {

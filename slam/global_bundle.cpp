@@ -112,10 +112,11 @@ bool GlobalBundle::choose(PointId p) {
   if (index < 0) return false;
   chosen_[p] = 1;
   points_.push_back(p);
+  const float trust = map_.point(p).trust();
   for (const Observation& o : observations) {
     const Keypoint& k = map_.keyframe(o.keyframe).features.keypoints[o.feature];
     adjuster_.addObservation(
-        {pose_index_[o.keyframe], index, {k.ux, k.uy}, 1 / (k.sigma * k.sigma), true});
+        {pose_index_[o.keyframe], index, {k.ux, k.uy}, trust / (k.sigma * k.sigma), true});
   }
   return true;
 }

@@ -90,13 +90,14 @@ void LocalBundle::chooseFixed() {
 
 void LocalBundle::addObservations() {
   for (std::size_t i = 0; i < points_.size(); ++i) {
+    const float trust = map_.point(points_[i]).trust();
     for (const Observation& o : map_.observations(points_[i])) {
       if (pose_index_[o.keyframe] == kNone) continue;
       const Keypoint& k = map_.keyframe(o.keyframe).features.keypoints[o.feature];
       adjuster_.addObservation({pose_index_[o.keyframe],
                                 static_cast<int>(i),
                                 {k.ux, k.uy},
-                                1 / (k.sigma * k.sigma),
+                                trust / (k.sigma * k.sigma),
                                 true});
     }
   }

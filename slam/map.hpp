@@ -41,6 +41,14 @@ struct MapPoint {
   std::int64_t born_serial = 0;              // serial of the keyframe that made it
   std::int32_t visible = 0, found = 0;       // frames in which it should have been, and was, seen
   std::int32_t observation_count = 0;
+  // Mean of its squared reprojection errors over their variance, in the frames of late in which it
+  // was recognised. On still tissue it is 0.8 (corners lie within 0.44 px, keypoint_sigma_px is
+  // 0.7), give or take as much.
+  float residual = 0.8f;
+  /// Weight in bundle adjustment, 0..1: less for what moves, breathes or is an instrument. Weights
+  /// from 0.8 on instead of 1.6 made paths no better (hovering 0.127 mm instead of 0.098, 0.136
+  /// without weights; a piece of it 0.143, 0.138 and 0.172).
+  float trust() const { return residual > 1.6f ? 1.6f / residual : 1.f; }
 };
 
 struct Keyframe {

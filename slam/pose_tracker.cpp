@@ -18,6 +18,7 @@ PoseTracker::PoseTracker(const CameraModel& camera, const SlamSettings& settings
   last_points_.reserve(n);
   observations_.reserve(n);
   feature_of_observation_.reserve(n);
+  point_of_observation_.reserve(n);
   matches_.resize(n);
   position_.resize(n);
   wanted_.resize(n);
@@ -111,6 +112,7 @@ int PoseTracker::trackLocalMap(TrackedFrame& frame, double search_scale) {
   }
   const int inliers = optimize(frame);
   countSightings(frame);
+  if (inliers > 0) rememberResiduals(frame.T_camera_world);
   return inliers;
 }
 
@@ -153,11 +155,13 @@ void PoseTracker::lookUpPositions(const TrackedFrame& frame) {
 int PoseTracker::optimize(TrackedFrame& frame) {
   observations_.clear();
   feature_of_observation_.clear();
+  point_of_observation_.clear();
   for (int f = 0; f < frame.features.size(); ++f) {
     if (frame.points[f].id == kNone) continue;
     const Keypoint& k = frame.features.keypoints[f];
     observations_.push_back({position_[f], {k.ux, k.uy}, 1 / (k.sigma * k.sigma), 1, true});
     feature_of_observation_.push_back(f);
+    point_of_observation_.push_back(frame.points[f]);
   }
   const PoseOptimizerResult result = optimizePose(intrinsics_, observations_, frame.T_camera_world);
   if (!result.ok) return 0;
@@ -177,6 +181,23 @@ void PoseTracker::countSightings(const TrackedFrame& frame) {
     if (const PointId p = map_.resolve(r); p != kNone) ++map_.point(p).visible;
   for (int f = 0; f < frame.features.size(); ++f)
     if (const PointId p = map_.resolve(frame.points[f]); p != kNone) ++map_.point(p).found;
+}
+
+/// Of inliers and outliers alike: what moves is mostly among the latter.
+void PoseTracker::rememberResiduals(const Pose& T_camera_world) {
+  constexpr double kForgotten = 1.0 / 32;  // of the past with each frame: a second or so is kept
+  constexpr double kMost = 4 * kChi2TwoDof95;  // farther off it was another point that looks alike
+  const std::lock_guard lock(map_.mutex);
+  for (std::size_t i = 0; i < observations_.size(); ++i) {
+    const PointId id = map_.resolve(point_of_observation_[i]);
+    const Eigen::Vector3d p = T_camera_world * observations_[i].point_world;
+    if (id == kNone || p.z() < kMinDepth) continue;
+    const double chi2 = (intrinsics_.project(p) - observations_[i].pixel).squaredNorm() *
+                        observations_[i].inv_sigma2;
+    if (chi2 > kMost) continue;
+    float& residual = map_.point(id).residual;
+    residual += static_cast<float>(kForgotten * (chi2 - residual));
+  }
 }
 
 }  // namespace depthscope::slam

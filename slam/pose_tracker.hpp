@@ -64,6 +64,7 @@ class PoseTracker {
   void lookUpPositions(const TrackedFrame& frame);
   int optimize(TrackedFrame& frame);
   void countSightings(const TrackedFrame& frame);
+  void rememberResiduals(const Pose& T_camera_world);
 
   SlamSettings settings_;
   CameraModel camera_;
@@ -76,6 +77,7 @@ class PoseTracker {
   std::vector<PointRef> visible_;        // local points that were predicted into the picture
   std::vector<PoseObservation> observations_;
   std::vector<int> feature_of_observation_;
+  std::vector<PointRef> point_of_observation_;
   std::vector<int> matches_;               // per feature
   std::vector<Eigen::Vector3d> position_;  // per feature, of its map point
   std::vector<std::uint8_t> wanted_;       // per keyframe feature

@@ -99,6 +99,28 @@ TEST(LocalBundle, BringsADisturbedMapBack) {
     EXPECT_LT((m.map.keyframe(m.keyframes[i]).T_camera_world.t - poses[i].t).norm(), 1e-3);
 }
 
+TEST(LocalBundle, IsPulledLessByPointsThatMoved) {
+  const auto pulled = [](float residual) {
+    const World world(300);
+    const auto poses = sidewaysPoses(6);
+    MappedWorld m(smallSettings(), world, poses);
+    // In one picture a third of the points have moved to the right.
+    Keyframe& moved = m.map.keyframe(m.keyframes[4]);
+    for (int f = 0; f < moved.features.size(); f += 3) {
+      if (moved.points[f] == kNone) continue;
+      moved.features.keypoints[f].ux += 2;
+      m.map.point(moved.points[f]).residual = residual;
+    }
+    BundleAdjuster adjuster(12, 1000, 12000);
+    LocalBundle bundle(smallSettings(), m.map, adjuster);
+    bundle.adjust(std::vector<KeyframeId>(m.keyframes.begin() + 2, m.keyframes.end()), 10, nullptr);
+    return (moved.T_camera_world.t - poses[4].t).norm();
+  };
+  const double trusted = pulled(0.8f);
+  EXPECT_GT(trusted, 1e-3);
+  EXPECT_LT(pulled(16.f), 0.3 * trusted);
+}
+
 TEST(LocalBundle, DropsAWrongObservationAndKeepsThePoint) {
   const World world(300);
   MappedWorld m(smallSettings(), world, sidewaysPoses(6));

@@ -46,5 +46,38 @@ TEST(PoseTracker, FindsAPointInOneFeatureOnly) {
   for (const PointId p : points) EXPECT_EQ(points.count(p), 1u);
 }
 
+TEST(PoseTracker, PointsThatDoNotStandStillLoseTrust) {
+  const SlamSettings settings = smallSettings();
+  const World world(300);
+  const auto poses = sidewaysPoses(3);
+  MappedWorld mapped(settings, world, poses);
+  PoseTracker tracker(testCameraModel(), settings, mapped.map);
+  const auto moves = [](int point) { return point % 4 == 0; };
+
+  TrackedFrame frame(settings.extractor.features, testCameraModel());
+  std::vector<int> ids;
+  for (int i = 0; i < 60; ++i) {
+    frame.features = world.view(poses[1], ids);
+    frame.T_camera_world = poses[1];
+    for (int f = 0; f < frame.features.size(); ++f) {
+      const PointId p = mapped.point_of[ids[f]];
+      frame.points[f] = p == kNone ? PointRef{} : mapped.map.ref(p);
+      if (!moves(ids[f])) continue;
+      Keypoint& k = frame.features.keypoints[f];
+      k.ux += (ids[f] / 4 + i) % 2 == 0 ? 2.f * k.sigma : -2.f * k.sigma;
+    }
+    frame.features.grid.build(frame.features.keypoints);
+    ASSERT_GT(tracker.trackLocalMap(frame), 100);
+  }
+  for (const int point : ids) {
+    const PointId p = mapped.point_of[point];
+    if (p == kNone) continue;
+    if (moves(point))
+      EXPECT_LT(mapped.map.point(p).trust(), 0.6f) << point;
+    else
+      EXPECT_EQ(mapped.map.point(p).trust(), 1.f) << point;
+  }
+}
+
 }  // namespace
 }  // namespace depthscope::slam

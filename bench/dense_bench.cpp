@@ -48,7 +48,7 @@ void fuseTwelve(benchmark::State& state) {
   DenseSettings settings;
   settings.new_depth_maps = 12;
   settings.min_motion = 0.01;
-  DenseReconstructor reconstructor(scene().camera, settings);
+  DenseReconstructor reconstructor(scene().camera, settings, ReconSettings{}.threads);
   for (const ViewPicture& picture : scene().pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   (void)reconstructor.reconstruct(scene().cloud, kTriangles, mesh, {});

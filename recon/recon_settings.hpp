@@ -11,6 +11,7 @@ struct ReconSettings {
   enum class Method { Sparse, Dense };  // from map points alone (paper) or pictures
   Method method = Method::Dense;
   DenseSettings dense;
+  int threads = 2;           // that share the work; the surface does not depend on how many
   double period_s = 3.0;     // a new surface this often; 0: only on demand
   int color_pictures = 128;  // views whose colour is kept, 58 kB each at 640x480: 7 MB
   int min_points = 100;      // fewer after the filters: no surface is attempted

@@ -30,6 +30,7 @@ void requireRange(const char* key, double value, double low, double high) {
 }
 
 void check(const ReconSettings& s) {
+  requireRange("threads", s.threads, 1, 16);
   requireRange("min_points", s.min_points, 10, 1e6);
   requireRange("max_points", s.max_points, s.min_points, 1e6);
   requireRange("max_triangles", s.max_triangles, 100, 1e7);
@@ -82,7 +83,7 @@ Reconstructor::Reconstructor(const CameraModel& camera, const ReconSettings& set
   painter_ = std::make_unique<SurfacePainter>(camera, settings_.color_pictures);
   if (settings_.method == ReconSettings::Method::Dense) {
     reduction_ = reductionFactor(camera.width, settings_.dense.picture_width);
-    dense_ = std::make_unique<DenseReconstructor>(camera, settings_.dense);
+    dense_ = std::make_unique<DenseReconstructor>(camera, settings_.dense, settings_.threads);
   }
   // PCL's complaints about single clouds go to the terminal; ours go through the status.
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);

@@ -6,7 +6,6 @@ namespace {
 
 void bindDense(SettingBinder& b, recon::DenseSettings& s) {
   b.section("recon.dense");
-  b.number("threads", s.threads, 1, 16, "that share the work; the surface does not depend on it");
   b.number("pictures", s.pictures, 4, 1000, "of views, kept, 0.2 MB each");
   b.number("depth_maps", s.depth_maps, 2, 1000, "kept and fused, 0.2 MB each");
   b.number("picture_width", s.picture_width, 80, 640, "[px] that pictures are reduced to");
@@ -145,6 +144,7 @@ void bindRecon(SettingBinder& b, recon::ReconSettings& s) {
   b.live(false);
   b.choice("method", s.method, {"sparse", "dense"},
            "from map points alone, or from the pictures of keyframes");
+  b.number("threads", s.threads, 1, 16, "that share the work; the surface does not depend on it");
   b.number("color_pictures", s.color_pictures, 1, 1000,
            "keyframes kept for the colour of surfaces");
   b.number("min_points", s.min_points, 10, 1000000,

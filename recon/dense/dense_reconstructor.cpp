@@ -6,9 +6,9 @@
 
 #include "recon/dense/sightings.hpp"
 #include "recon/dense/surface_nets.hpp"
-#include "recon/dense/threads.hpp"
 #include "recon/dense/view_selection.hpp"
 #include "recon/mesh_geometry.hpp"
+#include "recon/threads.hpp"
 
 namespace depthscope::recon {
 namespace {
@@ -30,14 +30,15 @@ bool contains(const PinholeLevel& level, const Eigen::Vector2f& pixel) {
 
 }  // namespace
 
-DenseReconstructor::DenseReconstructor(const CameraModel& camera, const DenseSettings& settings)
+DenseReconstructor::DenseReconstructor(const CameraModel& camera, const DenseSettings& settings,
+                                       int threads)
     : settings_(settings),
+      threads_(threads),
       view_(camera, reductionFactor(camera.width, settings.picture_width)),
       store_(settings.pictures, settings.depth_maps),
       volume_(settings.max_blocks),
-      scratch_(static_cast<std::size_t>(settings.threads)) {
-  for (int i = 0; i < std::min(settings.threads, kAtOnce); ++i)
-    estimators_.emplace_back(view_, settings_);
+      scratch_(static_cast<std::size_t>(threads)) {
+  for (int i = 0; i < std::min(threads, kAtOnce); ++i) estimators_.emplace_back(view_, settings_);
 }
 
 void DenseReconstructor::addPicture(const ViewPicture& picture) {
@@ -57,10 +58,9 @@ ReconStatus DenseReconstructor::reconstruct(const SparseCloud& cloud, int max_tr
 
   std::vector<FusedView> views = placeDepthMaps(index);
   if (views.empty()) return ReconStatus::TooFewPoints;
-  onThreads(settings_.threads, [&](int thread) {
+  onThreads(threads_, [&](int thread) {
     for (std::size_t i = static_cast<std::size_t>(thread);
-         i < views.size() && !stop.stop_requested();
-         i += static_cast<std::size_t>(settings_.threads))
+         i < views.size() && !stop.stop_requested(); i += static_cast<std::size_t>(threads_))
       countAgreement(views, i, view_.level(kDepthLevel), settings_);
   });
   if (stop.stop_requested()) return ReconStatus::Cancelled;
@@ -191,11 +191,10 @@ ReconStatus DenseReconstructor::fuse(const std::vector<FusedView>& views, float 
   volume_.begin(voxel_size, static_cast<float>(settings_.truncation));
   for (const FusedView& view : views)
     if (!volume_.allocate(view, level)) return ReconStatus::Failed;
-  onThreads(settings_.threads, [&](int thread) {
+  onThreads(threads_, [&](int thread) {
     for (const FusedView& view : views) {
       if (stop.stop_requested()) return;
-      volume_.integrate(view, level, scratch_[static_cast<std::size_t>(thread)], thread,
-                        settings_.threads);
+      volume_.integrate(view, level, scratch_[static_cast<std::size_t>(thread)], thread, threads_);
     }
   });
   if (stop.stop_requested()) return ReconStatus::Cancelled;

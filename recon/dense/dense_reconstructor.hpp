@@ -18,7 +18,8 @@ namespace depthscope::recon {
 /// for a surface, depth maps kept, blocks of the volume.
 class DenseReconstructor {
  public:
-  DenseReconstructor(const CameraModel& camera, const DenseSettings& settings);
+  /// The work is shared by `threads`; the surface does not depend on how many.
+  DenseReconstructor(const CameraModel& camera, const DenseSettings& settings, int threads);
 
   /// Keeps a view's picture, reduced by reductionFactor(camera width, picture_width).
   void addPicture(const ViewPicture& picture);
@@ -41,6 +42,7 @@ class DenseReconstructor {
                    const std::stop_token& stop);
 
   DenseSettings settings_;
+  int threads_;
   PinholeView view_;
   std::vector<DepthEstimator> estimators_;   // of each thread
   std::array<DepthMap, kAtOnce> estimates_;  // on their way into the store

@@ -6,8 +6,6 @@ namespace depthscope::recon {
 /// scene are shares of the median depth of the map points, for a monocular map has no unit; lengths
 /// in pictures are pixels of the reduced picture.
 struct DenseSettings {
-  int threads = 2;  // that share the work; the surface does not depend on how many
-
   // Views kept: keyframes and frames in between. Memory: about 0.2 MB a picture of 320x240 and
   // 0.2 MB a depth map.
   int pictures = 160;

@@ -13,6 +13,7 @@ namespace depthscope::recon {
 namespace {
 
 constexpr int kTriangles = 100000;
+constexpr int kThreads = 2;
 
 float hill(float x, float y) {
   return 0.4f * std::exp(-2 * (x * x + y * y));
@@ -20,7 +21,7 @@ float hill(float x, float y) {
 
 /// The surface after all keyframes were handed over.
 SurfaceMesh reconstructed(const RenderedViews& scene, const DenseSettings& settings = {}) {
-  DenseReconstructor reconstructor(scene.camera, settings);
+  DenseReconstructor reconstructor(scene.camera, settings, kThreads);
   for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
@@ -73,9 +74,7 @@ TEST(DenseReconstructor, GivesTheSameBitsOnAnyNumberOfThreads) {
   const RenderedViews scene = renderViews(hill, 7);
   std::vector<SurfaceMesh> meshes;
   for (int threads : {1, 2, 3}) {
-    DenseSettings settings;
-    settings.threads = threads;
-    DenseReconstructor reconstructor(scene.camera, settings);
+    DenseReconstructor reconstructor(scene.camera, {}, threads);
     for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
     ASSERT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, meshes.emplace_back(), {}),
               ReconStatus::Ok);
@@ -88,7 +87,7 @@ TEST(DenseReconstructor, GivesTheSameBitsOnAnyNumberOfThreads) {
 
 TEST(DenseReconstructor, KeepsDepthMapsAndFollowsTheMapsUnitOfLength) {
   const RenderedViews scene = renderViews(hill, 6);
-  DenseReconstructor reconstructor(scene.camera, {});
+  DenseReconstructor reconstructor(scene.camera, {}, kThreads);
   for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   ASSERT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
@@ -111,7 +110,7 @@ TEST(DenseReconstructor, SeesMoreFromViewsBetweenAndBesideKeyframes) {
   DenseSettings settings;
   settings.min_confidence = 0.7;  // more than three views give beside the middle
   const auto areaFor = [&](const SparseCloud& c) {
-    DenseReconstructor reconstructor(scene.camera, settings);
+    DenseReconstructor reconstructor(scene.camera, settings, kThreads);
     for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
     SurfaceMesh mesh;
     const bool ok = reconstructor.reconstruct(c, kTriangles, mesh, {}) == ReconStatus::Ok;
@@ -124,7 +123,7 @@ TEST(DenseReconstructor, MakesNoMoreDepthMapsAtATimeThanAllowed) {
   const RenderedViews scene = renderViews(hill, 6);
   DenseSettings settings;
   settings.new_depth_maps = 1;  // a single depth map is confirmed by none
-  DenseReconstructor reconstructor(scene.camera, settings);
+  DenseReconstructor reconstructor(scene.camera, settings, kThreads);
   for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}),
@@ -138,7 +137,7 @@ TEST(DenseReconstructor, GoesOnWhenPicturesAndDepthMapsAreFull) {
   DenseSettings settings;
   settings.pictures = 5;
   settings.depth_maps = 3;
-  DenseReconstructor reconstructor(scene.camera, settings);
+  DenseReconstructor reconstructor(scene.camera, settings, kThreads);
   SurfaceMesh mesh;
   SparseCloud cloud = scene.cloud;
   for (const ViewPicture& picture : scene.pictures) {
@@ -155,7 +154,7 @@ TEST(DenseReconstructor, MakesVoxelsLargerWhereTheSurfaceWouldNotFit) {
   few_blocks.max_blocks = 300;
   const std::size_t free = reconstructed(scene).triangles.size();
   EXPECT_LT(reconstructed(scene, few_blocks).triangles.size(), free * 3 / 4);
-  DenseReconstructor reconstructor(scene.camera, {});
+  DenseReconstructor reconstructor(scene.camera, {}, kThreads);
   for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   const int limit = static_cast<int>(free / 2);
@@ -165,7 +164,7 @@ TEST(DenseReconstructor, MakesVoxelsLargerWhereTheSurfaceWouldNotFit) {
 
 TEST(DenseReconstructor, NeedsPicturesAndStopsWhenAsked) {
   const RenderedViews scene = renderViews(flat, 4);
-  DenseReconstructor reconstructor(scene.camera, {});
+  DenseReconstructor reconstructor(scene.camera, {}, kThreads);
   SurfaceMesh mesh;
   EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}),
             ReconStatus::TooFewPoints);
@@ -197,7 +196,7 @@ TEST(DenseReconstructor, StopsWithinFiftyMillisecondsWhereverItIs) {
   ASSERT_EQ(::pthread_getcpuclockid(::pthread_self(), &clock), 0);
   int cancelled = 0;
   for (double after_ms = 2;; after_ms *= 1.4) {
-    DenseReconstructor reconstructor(scene.camera, {});
+    DenseReconstructor reconstructor(scene.camera, {}, kThreads);
     for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
     std::stop_source source;
     const double start = cpuMs(clock);

@@ -1,4 +1,4 @@
-#include "recon/dense/threads.hpp"
+#include "recon/threads.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,6 +23,16 @@ TEST(OnThreads, CallsEachOnceAndFromThreadsOfTheirOwn) {
   EXPECT_EQ(calls, (std::array<int, 4>{1, 1, 1, 1}));
   EXPECT_EQ(threads.size(), 4U);
   EXPECT_TRUE(threads.contains(std::this_thread::get_id()));
+}
+
+TEST(OnRanges, GoesThroughAllOnceOnAnyNumberOfThreads) {
+  for (int threads : {1, 2, 3, 7}) {
+    std::array<int, 5> calls{};
+    onRanges(threads, calls.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) ++calls[i];
+    });
+    EXPECT_EQ(calls, (std::array<int, 5>{1, 1, 1, 1, 1})) << threads;
+  }
 }
 
 TEST(OnThreads, ThrowsWhatAnyOfThemThrows) {

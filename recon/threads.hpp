@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <future>
 #include <optional>
 #include <system_error>
@@ -28,6 +29,16 @@ void onThreads(int n, const Work& work) {
   work(0);
   for (; next < n; ++next) work(next);
   for (std::future<void>& other : others) other.get();
+}
+
+/// Calls work(begin, end) for `threads` ranges that together are 0 to n - 1, as onThreads does.
+template <class Work>
+void onRanges(int threads, std::size_t n, const Work& work) {
+  const auto parts = static_cast<std::size_t>(threads);
+  onThreads(threads, [&](int thread) {
+    const auto i = static_cast<std::size_t>(thread);
+    work(n * i / parts, n * (i + 1) / parts);
+  });
 }
 
 }  // namespace depthscope::recon

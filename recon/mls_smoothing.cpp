@@ -5,9 +5,12 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "recon/point_filters.hpp"
+#include "recon/threads.hpp"
 
 namespace depthscope::recon {
 namespace {
@@ -17,11 +20,15 @@ struct Projection {
   pcl::Indices source;  // index of each into the input
 };
 
-Projection project(const SupportCloud::ConstPtr& cloud, float spacing,
-                   const ReconSettings& settings) {
+/// Of the points `begin` to `end` - 1.
+Projection projectRange(const SupportCloud::ConstPtr& cloud, std::size_t begin, std::size_t end,
+                        float spacing, const ReconSettings& settings) {
+  const auto range = std::make_shared<pcl::Indices>(end - begin);
+  std::iota(range->begin(), range->end(), static_cast<pcl::index_t>(begin));
   pcl::MovingLeastSquares<pcl::PointNormal, pcl::PointNormal> mls;
   mls.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointNormal>>());
   mls.setInputCloud(cloud);
+  mls.setIndices(range);
   mls.setSearchRadius(settings.mls_radius * spacing);  // PCL takes the Gaussian's width from it too
   mls.setPolynomialOrder(2);
   mls.setComputeNormals(true);
@@ -29,6 +36,22 @@ Projection project(const SupportCloud::ConstPtr& cloud, float spacing,
   mls.process(out.points);
   out.source = mls.getCorrespondingIndices()->indices;
   return out;
+}
+
+Projection project(const SupportCloud::ConstPtr& cloud, float spacing,
+                   const ReconSettings& settings) {
+  std::vector<Projection> parts(static_cast<std::size_t>(settings.threads));
+  onThreads(settings.threads, [&](int thread) {
+    const auto i = static_cast<std::size_t>(thread);
+    parts[i] = projectRange(cloud, cloud->size() * i / parts.size(),
+                            cloud->size() * (i + 1) / parts.size(), spacing, settings);
+  });
+  Projection all = std::move(parts.front());
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    all.points += parts[i].points;
+    all.source.insert(all.source.end(), parts[i].source.begin(), parts[i].source.end());
+  }
+  return all;
 }
 
 /// Input points that lie within the scatter of the tissue around its fitted surface.

@@ -1,12 +1,13 @@
 #include "recon/point_filters.hpp"
 
-#include <pcl/filters/radius_outlier_removal.h>
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/kdtree/kdtree_flann.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "recon/threads.hpp"
 
 namespace depthscope::recon {
 namespace {
@@ -65,18 +66,21 @@ SupportCloud::Ptr usablePoints(const SparseCloud& cloud, const ReconSettings& se
   return out;
 }
 
-std::vector<float> neighbourDistances(const SupportCloud::ConstPtr& cloud, int neighbours) {
+std::vector<float> neighbourDistances(const SupportCloud::ConstPtr& cloud, int neighbours,
+                                      int threads) {
   if (cloud->empty()) return {};
   pcl::KdTreeFLANN<pcl::PointNormal> tree;
   tree.setInputCloud(cloud);
   std::vector<float> distances(cloud->size(), 0.f);
-  pcl::Indices found;
-  std::vector<float> squared;
-  for (std::size_t i = 0; i < cloud->size(); ++i) {
-    // The point itself comes first, at distance zero.
-    const int n = tree.nearestKSearch((*cloud)[i], neighbours + 1, found, squared);
-    if (n > 0) distances[i] = std::sqrt(squared[static_cast<std::size_t>(n) - 1]);
-  }
+  onRanges(threads, cloud->size(), [&](std::size_t begin, std::size_t end) {
+    pcl::Indices found;
+    std::vector<float> squared;
+    for (std::size_t i = begin; i < end; ++i) {
+      // The point itself comes first, at distance zero.
+      const int n = tree.nearestKSearch((*cloud)[i], neighbours + 1, found, squared);
+      if (n > 0) distances[i] = std::sqrt(squared[static_cast<std::size_t>(n) - 1]);
+    }
+  });
   return distances;
 }
 
@@ -94,16 +98,24 @@ SupportCloud::Ptr freeSpaceFilter(const SupportCloud::ConstPtr& cloud, float spa
   const float margin = static_cast<float>(settings.free_space_margin) * spacing;
   const float radius = static_cast<float>(settings.free_space_radius) * spacing;
   const float squared_radius = radius * radius * static_cast<float>(stride);
-  std::vector<int> rays(n, 0);
-  for (std::size_t r = 0; r < n; r += stride) {
-    const Eigen::Vector3f from = (*cloud)[r].getVector3fMap();
-    const Eigen::Vector3f to_camera = (*cloud)[r].getNormalVector3fMap();
-    for (std::size_t i = 0; i < n; ++i) {
-      const Eigen::Vector3f d = (*cloud)[i].getVector3fMap() - from;
-      const float along = d.dot(to_camera);
-      rays[i] += along > margin && d.squaredNorm() - along * along < squared_radius;
-    }
+  std::vector<float> x(n), y(n), z(n);  // apart, so that the compiler makes vectors of the loop
+  for (std::size_t i = 0; i < n; ++i) {
+    x[i] = (*cloud)[i].x;
+    y[i] = (*cloud)[i].y;
+    z[i] = (*cloud)[i].z;
   }
+  std::vector<int> rays(n, 0);
+  onRanges(settings.threads, n, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t r = 0; r < n; r += stride) {
+      const pcl::PointNormal from = (*cloud)[r];
+      for (std::size_t i = begin; i < end; ++i) {
+        const float dx = x[i] - from.x, dy = y[i] - from.y, dz = z[i] - from.z;
+        const float along = dx * from.normal_x + (dy * from.normal_y + dz * from.normal_z);
+        const float squared = dx * dx + (dy * dy + dz * dz) - along * along;
+        rays[i] += static_cast<int>(along > margin) & static_cast<int>(squared < squared_radius);
+      }
+    }
+  });
   auto out = std::make_shared<SupportCloud>();
   out->reserve(n);
   for (std::size_t i = 0; i < n; ++i)
@@ -115,12 +127,12 @@ SupportCloud::Ptr freeSpaceFilter(const SupportCloud::ConstPtr& cloud, float spa
 SupportCloud::Ptr radiusFilter(const SupportCloud::ConstPtr& cloud, float spacing,
                                const ReconSettings& settings) {
   auto out = std::make_shared<SupportCloud>();
-  if (cloud->empty()) return out;
-  pcl::RadiusOutlierRemoval<pcl::PointNormal> filter;
-  filter.setInputCloud(cloud);
-  filter.setRadiusSearch(settings.outlier_radius * spacing);
-  filter.setMinNeighborsInRadius(settings.outlier_min_neighbours);
-  filter.filter(*out);
+  if (cloud->size() <= static_cast<std::size_t>(settings.outlier_min_neighbours)) return out;
+  const std::vector<float> distances =
+      neighbourDistances(cloud, settings.outlier_min_neighbours, settings.threads);
+  const float radius = static_cast<float>(settings.outlier_radius) * spacing;
+  for (std::size_t i = 0; i < distances.size(); ++i)
+    if (distances[i] <= radius) out->push_back((*cloud)[i]);
   return out;
 }
 

@@ -12,8 +12,10 @@ namespace depthscope::recon {
 /// far away; the `max_points` most observed ones where there are more, in the order of the cloud.
 SupportCloud::Ptr usablePoints(const SparseCloud& cloud, const ReconSettings& settings);
 
-/// Distance of each point to its `neighbours`-th neighbour [map units].
-std::vector<float> neighbourDistances(const SupportCloud::ConstPtr& cloud, int neighbours);
+/// Distance of each point to its `neighbours`-th neighbour [map units], to the farthest other one
+/// where there are too few.
+std::vector<float> neighbourDistances(const SupportCloud::ConstPtr& cloud, int neighbours,
+                                      int threads);
 
 /// Median of `values`; 0 for none.
 float median(std::vector<float> values);

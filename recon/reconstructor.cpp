@@ -142,7 +142,8 @@ ReconStatus Reconstructor::sparse(const SparseCloud& cloud, SurfaceMesh& mesh,
 
   const SupportCloud::ConstPtr usable = usablePoints(cloud, settings_);
   if (usable->size() < min_points) return ReconStatus::TooFewPoints;
-  const float spacing = median(neighbourDistances(usable, settings_.spacing_neighbours));
+  const float spacing =
+      median(neighbourDistances(usable, settings_.spacing_neighbours, settings_.threads));
   if (!(spacing > 0)) return ReconStatus::TooFewPoints;
   if (stop.stop_requested()) return ReconStatus::Cancelled;
 

@@ -7,6 +7,7 @@
 
 #include "recon/mesh_geometry.hpp"
 #include "recon/point_filters.hpp"
+#include "recon/threads.hpp"
 
 namespace depthscope::recon {
 namespace {
@@ -21,35 +22,46 @@ struct VertexSupport {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // of the support around it, not unit
 };
 
+/// By the support points `found`, the nearest first.
+VertexSupport judge(const SupportCloud& support, const std::vector<float>& local_spacing,
+                    const pcl::Indices& found, const std::vector<float>& squared, float spacing,
+                    const ReconSettings& settings) {
+  VertexSupport out;
+  float evidence = 0;
+  if (!found.empty()) out.observations = support[static_cast<std::size_t>(found[0])].curvature;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const auto i = static_cast<std::size_t>(found[k]);
+    const float reach = static_cast<float>(settings.trim_distance) * local_spacing[i];
+    if (std::sqrt(squared[k]) <= reach) out.within = true;
+    const float weight = std::exp(-squared[k] / (2 * spacing * spacing));
+    evidence += weight * support[i].curvature;
+    out.normal += (weight + 1e-6f) * support[i].getNormalVector3fMap();
+  }
+  out.confidence = std::min(1.f, evidence / static_cast<float>(settings.full_confidence_support));
+  return out;
+}
+
 std::vector<VertexSupport> judgeVertices(const SurfaceMesh& mesh,
                                          const SupportCloud::ConstPtr& support, float spacing,
                                          const ReconSettings& settings) {
-  std::vector<float> local = neighbourDistances(support, settings.spacing_neighbours);
+  std::vector<float> local =
+      neighbourDistances(support, settings.spacing_neighbours, settings.threads);
   for (float& l : local)
     l = std::clamp(l, spacing, static_cast<float>(settings.trim_max_spacing) * spacing);
 
   pcl::KdTreeFLANN<pcl::PointNormal> tree;
   tree.setInputCloud(support);
-  pcl::Indices found;
-  std::vector<float> squared;
   std::vector<VertexSupport> out(mesh.vertices.size());
-  for (std::size_t v = 0; v < out.size(); ++v) {
-    pcl::PointNormal query;
-    query.getVector3fMap() = mesh.vertices[v];
-    const int n = tree.nearestKSearch(query, kSupportNeighbours, found, squared);
-    float evidence = 0;
-    if (n > 0) out[v].observations = (*support)[static_cast<std::size_t>(found[0])].curvature;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
-      const auto i = static_cast<std::size_t>(found[k]);
-      const float reach = static_cast<float>(settings.trim_distance) * local[i];
-      if (std::sqrt(squared[k]) <= reach) out[v].within = true;
-      const float weight = std::exp(-squared[k] / (2 * spacing * spacing));
-      evidence += weight * (*support)[i].curvature;
-      out[v].normal += (weight + 1e-6f) * (*support)[i].getNormalVector3fMap();
+  onRanges(settings.threads, out.size(), [&](std::size_t begin, std::size_t end) {
+    pcl::Indices found;
+    std::vector<float> squared;
+    for (std::size_t v = begin; v < end; ++v) {
+      pcl::PointNormal query;
+      query.getVector3fMap() = mesh.vertices[v];
+      tree.nearestKSearch(query, kSupportNeighbours, found, squared);
+      out[v] = judge(*support, local, found, squared, spacing, settings);
     }
-    out[v].confidence =
-        std::min(1.f, evidence / static_cast<float>(settings.full_confidence_support));
-  }
+  });
   return out;
 }
 

@@ -60,13 +60,13 @@ TEST(UsablePoints, KeepsTheMostObservedWhenThereAreTooMany) {
 }
 
 TEST(NeighbourDistances, MeasureALattice) {
-  const auto distances = neighbourDistances(lattice(5), 4);
+  const auto distances = neighbourDistances(lattice(5), 4, 2);
   EXPECT_FLOAT_EQ(distances[12], 1.f);  // inside: four neighbours at 1
   EXPECT_FLOAT_EQ(distances[0], 2.f);   // corner: 1, 1, sqrt 2, 2
 }
 
 TEST(NeighbourDistances, UseTheFarthestWhereThereAreTooFew) {
-  EXPECT_FLOAT_EQ(neighbourDistances(lattice(2), 6)[0], std::sqrt(2.f));
+  EXPECT_FLOAT_EQ(neighbourDistances(lattice(2), 6, 2)[0], std::sqrt(2.f));
 }
 
 TEST(Median, IsRobustToOneWildValue) {
@@ -117,6 +117,12 @@ TEST(RadiusFilter, DropsAPointAloneAndKeepsTheOthers) {
   const auto kept = radiusFilter(cloud, 1.f, {});
   EXPECT_EQ(kept->size(), 36u);
   for (const auto& p : *kept) EXPECT_EQ(p.z, 0.f);
+}
+
+TEST(RadiusFilter, KeepsNothingOfFewerPointsThanNeighboursWanted) {
+  ReconSettings settings;
+  settings.outlier_min_neighbours = 9;
+  EXPECT_TRUE(radiusFilter(lattice(3), 100.f, settings)->empty());
 }
 
 TEST(VoxelGrid, PutsOneMeanPointInPlaceOfACluster) {

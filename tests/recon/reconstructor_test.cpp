@@ -109,6 +109,21 @@ TEST(Reconstructor, GivesTheSameBitsTwice) {
   EXPECT_EQ(second.version, first.version + 2);
 }
 
+TEST(Reconstructor, GivesTheSameBitsOnAnyNumberOfThreads) {
+  const SparseCloud cloud = heightCloud(cap, 60, 0.01f);
+  ReconSettings settings = sparseSettings();
+  settings.threads = 1;
+  const SurfaceMesh alone = reconstructed(cloud, settings);
+  for (int threads : {2, 3, 16}) {
+    settings.threads = threads;
+    const SurfaceMesh shared = reconstructed(cloud, settings);
+    EXPECT_TRUE(sameBits(alone.vertices, shared.vertices)) << threads;
+    EXPECT_TRUE(sameBits(alone.normals, shared.normals)) << threads;
+    EXPECT_TRUE(sameBits(alone.confidence, shared.confidence)) << threads;
+    EXPECT_TRUE(sameBits(alone.triangles, shared.triangles)) << threads;
+  }
+}
+
 TEST(Reconstructor, LeavesTheMeshAloneWhenThereAreTooFewPoints) {
   SurfaceMesh mesh = reconstructed(heightCloud(flat, 20, 0.01f));
   const auto before = mesh.vertices;

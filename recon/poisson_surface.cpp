@@ -6,37 +6,20 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <mutex>
-#include <unordered_map>
 #include <vector>
 
-// The octree prints its troubles with ambiguous cells, but standard output belongs to our programs.
-#define printf(...) ((void)0)
-// The octree's header leans on those before it: this order is needed.
-// clang-format off
-#include <pcl/surface/3rdparty/poisson4/octree_poisson.h>
-#include <pcl/surface/3rdparty/poisson4/sparse_matrix.h>
-#include <pcl/surface/3rdparty/poisson4/function_data.h>
-#include <pcl/surface/3rdparty/poisson4/ppolynomial.h>
-#include <pcl/surface/3rdparty/poisson4/multi_grid_octree_data.h>
-#include <pcl/surface/3rdparty/poisson4/geometry.h>
-// clang-format on
-#undef printf
+#include "recon/poisson_octree.hpp"
 
 namespace depthscope::recon {
 namespace {
 
 namespace kazhdan = pcl::poisson;
 
-// PCL's octree is driven directly: its pcl::Poisson compiles the solver for five spline degrees, of
-// which only the second is wanted.
-using Octree = kazhdan::Octree<2>;
-
 constexpr float kMinBoxScale = 1.1f;      // solver's cube over the points' bounding cube, at least
 constexpr double kMarginCells = 2.5;      // free of points along each side of the cube: boxScale()
 constexpr int kNodePoolBlock = 1 << 12;   // octree nodes allocated at a time
-constexpr int kSolverBlockDepth = 8;      // solve and extract in blocks below it, to save memory
+constexpr int kSolverBlockDepth = 8;      // solve in blocks below it, to save memory
 constexpr int kSolverMinIterations = 8;   // of conjugate gradients at each depth
 constexpr double kSolverAccuracy = 1e-3;  // relative residual
 
@@ -67,14 +50,15 @@ int poissonDepth(const SupportCloud& cloud, float spacing, const ReconSettings& 
   return depth;
 }
 
+// PCL's octree is driven directly: its pcl::Poisson compiles the solver for five spline degrees, of
+// which only the second is wanted.
 SurfaceMesh poissonSurface(const SupportCloud::ConstPtr& cloud, int depth,
                            const ReconSettings& settings) {
   static std::mutex pool_mutex;
   const std::lock_guard lock(pool_mutex);
   kazhdan::TreeNodeData::UseIndex = 1;
   kazhdan::TreeOctNode::SetAllocator(kNodePoolBlock);
-  Octree tree;
-  tree.threads = 1;
+  PoissonOctree tree(settings.threads);
   tree.setBSplineData(depth, 1.f / static_cast<float>(1 << depth), true);
   kazhdan::Point3D<float> corner;
   float scale = 1;
@@ -85,14 +69,13 @@ SurfaceMesh poissonSurface(const SupportCloud::ConstPtr& cloud, int depth,
       /*adaptiveWeights=*/true);
   tree.ClipTree();
   tree.finalize();
-  tree.RefineBoundary(kSolverBlockDepth);
-  tree.SetLaplacianConstraints();
+  tree.setConstraintsAndTables();
   // It means to free this table but does not, and the next stage takes a new one.
   delete[] tree.fData.dvDotTable;
   tree.fData.dvDotTable = nullptr;
   tree.LaplacianMatrixIteration(kSolverBlockDepth, false, kSolverMinIterations, kSolverAccuracy);
   kazhdan::CoredVectorMeshData extracted;
-  tree.GetMCIsoTriangles(tree.GetIsoValue(), kSolverBlockDepth, &extracted);
+  tree.GetMCIsoTriangles(tree.GetIsoValue(), 0, &extracted);
 
   SurfaceMesh mesh;
   const auto inner = static_cast<int>(extracted.inCorePoints.size());

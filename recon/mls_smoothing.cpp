@@ -26,7 +26,7 @@ Projection projectRange(const SupportCloud::ConstPtr& cloud, std::size_t begin, 
   const auto range = std::make_shared<pcl::Indices>(end - begin);
   std::iota(range->begin(), range->end(), static_cast<pcl::index_t>(begin));
   pcl::MovingLeastSquares<pcl::PointNormal, pcl::PointNormal> mls;
-  mls.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointNormal>>());
+  mls.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointNormal>>(/*sorted=*/false));
   mls.setInputCloud(cloud);
   mls.setIndices(range);
   mls.setSearchRadius(settings.mls_radius * spacing);  // PCL takes the Gaussian's width from it too

@@ -112,7 +112,7 @@ bool GlobalBundle::choose(PointId p) {
   if (index < 0) return false;
   chosen_[p] = 1;
   points_.push_back(p);
-  const float trust = map_.point(p).trust();
+  const float trust = map_.trustOf(p);
   for (const Observation& o : observations) {
     const Keypoint& k = map_.keyframe(o.keyframe).features.keypoints[o.feature];
     adjuster_.addObservation(

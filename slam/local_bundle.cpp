@@ -90,7 +90,7 @@ void LocalBundle::chooseFixed() {
 
 void LocalBundle::addObservations() {
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const float trust = map_.point(points_[i]).trust();
+    const float trust = map_.trustOf(points_[i]);
     for (const Observation& o : map_.observations(points_[i])) {
       if (pose_index_[o.keyframe] == kNone) continue;
       const Keypoint& k = map_.keyframe(o.keyframe).features.keypoints[o.feature];

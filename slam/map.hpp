@@ -67,7 +67,8 @@ struct Keyframe {
 /// there may be several connected maps, each with a world frame of its own, told apart by `map_id`;
 /// what is added belongs to the active one. One thread, the mapper's (or the tracker's while the
 /// mapper is drained), changes it and holds `mutex` while it does; others hold `mutex` while they
-/// read. The writer may read without it. Nothing is allocated after construction.
+/// read. The writer may read without it, but for what the tracker counts in points, with the mutex:
+/// their sightings and residuals. Nothing is allocated after construction.
 class Map {
  public:
   Map(const SlamSettings& settings, const CameraModel& camera);
@@ -106,6 +107,12 @@ class Map {
   void refreshPoint(PointId id);
   /// Normal and distance range alone, after poses or positions have moved.
   void refreshGeometry(PointId id);
+
+  /// MapPoint::trust() for the writer. Takes the mutex.
+  float trustOf(PointId id) {
+    const std::lock_guard lock(mutex);
+    return points_[id].trust();
+  }
 
   std::span<const Observation> observations(PointId id) const;
   bool isObservedBy(PointId point, KeyframeId keyframe) const;

@@ -25,11 +25,13 @@ std::span<const KeyframeId> CrossMapLocator::candidates(KeyframeId now) {
   const auto isElsewhere = [&](const PlaceMatch& place) {
     return map_.keyframe(place.keyframe).map_id != map_.keyframe(now).map_id;
   };
-  std::size_t rank = 0;
-  for (const PlaceMatch& place : database_.find(map_, now, query_))
+  const auto places = database_.find(map_, now, query_);
+  if (next_ >= std::count_if(places.begin(), places.end(), isElsewhere)) next_ = 0;
+  std::ptrdiff_t rank = 0;
+  for (const PlaceMatch& place : places)
     if (isElsewhere(place) && rank++ >= next_ && candidates_.size() < kCandidates)
       candidates_.push_back(place.keyframe);
-  next_ = candidates_.size() < kCandidates ? 0 : next_ + kCandidates;
+  next_ += kCandidates;
   return candidates_;
 }
 

@@ -34,7 +34,7 @@ class CrossMapLocator {
   std::vector<KeyframeId> candidates_;
   std::vector<PointRef> points_;      // per feature of `now`: its point in the other map
   std::vector<double> depth_ratios_;  // of points that both maps have
-  std::size_t next_ = 0;              // rank of the first candidate of the next call
+  std::ptrdiff_t next_ = 0;           // rank of the first candidate of the next call
 };
 
 }  // namespace depthscope::slam

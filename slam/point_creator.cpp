@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numbers>
 
 #include "slam/triangulation.hpp"
 
 namespace depthscope::slam {
+
+namespace {
+constexpr double kRadiansPerDegree = std::numbers::pi / 180;
+}  // namespace
 
 /// Two keyframes and the geometry between them.
 struct PointCreator::Pair {
@@ -20,6 +25,8 @@ PointCreator::PointCreator(const SlamSettings& settings, Map& map)
     : matching_(settings.matching),
       settings_(settings.mapper),
       scale_factor_(settings.extractor.scale_factor),
+      max_parallax_cos_(std::cos(settings.mapper.min_parallax_deg * kRadiansPerDegree)),
+      expected_parallax_(settings.mapper.expected_parallax_deg * kRadiansPerDegree),
       map_(map) {
   const std::size_t n = settings.extractor.features;
   free_.reserve(n);
@@ -41,10 +48,10 @@ PointCreator::DepthRange PointCreator::depthRange(KeyframeId keyframe) {
   depths_.clear();
   for (const PointId p : k.points)
     if (p != kNone) depths_.push_back((k.T_camera_world * map_.point(p).position).z());
-  if (depths_.size() < 10) return {0, 0};
+  if (depths_.size() < 10) return {0, 0, 0};
   std::sort(depths_.begin(), depths_.end());
   // What is not mapped yet may well lie before or behind what is.
-  return {0.4 * depths_[depths_.size() / 20],
+  return {0.4 * depths_[depths_.size() / 20], depths_[depths_.size() / 2],
           2.5 * depths_[depths_.size() - 1 - depths_.size() / 20]};
 }
 
@@ -53,7 +60,7 @@ void PointCreator::createWith(KeyframeId keyframe, KeyframeId neighbour, DepthRa
   const Keyframe& a = map_.keyframe(keyframe);
   const Keyframe& b = map_.keyframe(neighbour);
   const Pose T_b_a = b.T_camera_world * a.T_camera_world.inverse();
-  if (T_b_a.t.norm() < 0.01 * map_.medianDepth(neighbour)) return;  // hardly any baseline
+  if (T_b_a.t.norm() < expected_parallax_ * depths.middle) return;  // for no feature enough
 
   const Intrinsics& c = map_.intrinsics();
   Eigen::Matrix3d K_inv;
@@ -86,17 +93,21 @@ void PointCreator::matchAlongEpipolarLines(const Pair& pair, DepthRange depths) 
   std::fill(claimed_by_.begin(), claimed_by_.end(), kNone);
   std::fill(match_.begin(), match_.end(), kNone);
   const Intrinsics& camera = map_.intrinsics();
+  const Eigen::Vector3d centre_b = -(T_b_a.R.transpose() * T_b_a.t);  // in camera a
 
   for (int i = 0; i < a.features.size(); ++i) {
     if (a.points[i] != kNone) continue;
     const Keypoint& k = a.features.keypoints[i];
+    const Eigen::Vector3d ray = camera.normalize({k.ux, k.uy}).homogeneous();
+    // The baseline across the ray over the distance along it.
+    if (centre_b.cross(ray).norm() < expected_parallax_ * depths.middle * ray.squaredNorm())
+      continue;
     const Eigen::Vector3d line = F * Eigen::Vector3d(k.ux, k.uy, 1);
     const float inv_norm = static_cast<float>(1 / line.head<2>().norm());
     const float la = static_cast<float>(line.x()) * inv_norm,
                 lb = static_cast<float>(line.y()) * inv_norm,
                 lc = static_cast<float>(line.z()) * inv_norm;
     // The stretch of the line on which depths between nearest and farthest project.
-    const Eigen::Vector3d ray = camera.normalize({k.ux, k.uy}).homogeneous();
     const Eigen::Vector3d p_near = T_b_a * (ray * depths.nearest),
                           p_far = T_b_a * (ray * depths.farthest);
     if (p_near.z() < kMinDepth || p_far.z() < kMinDepth) continue;
@@ -133,7 +144,7 @@ bool PointCreator::accept(const Pair& pair, int feature_a, int feature_b,
   const Keypoint& kb = b.features.keypoints[feature_b];
   const Intrinsics& c = map_.intrinsics();
   const Eigen::Vector2d na = c.normalize({ka.ux, ka.uy}), nb = c.normalize({kb.ux, kb.uy});
-  if (rayParallaxCosine(a.T_camera_world, na, b.T_camera_world, nb) > settings_.max_parallax_cos)
+  if (rayParallaxCosine(a.T_camera_world, na, b.T_camera_world, nb) > max_parallax_cos_)
     return false;
   if (!triangulate(a.T_camera_world, na, b.T_camera_world, nb, world)) return false;
 

@@ -23,7 +23,7 @@ class PointCreator {
     std::int32_t feature;
   };
   struct DepthRange {
-    double nearest, farthest;  // [map unit]
+    double nearest, middle, farthest;  // [map unit]
   };
   struct Pair;
 
@@ -36,6 +36,7 @@ class PointCreator {
   MatchingSettings matching_;
   MapperSettings settings_;
   double scale_factor_;
+  double max_parallax_cos_, expected_parallax_;  // [rad] the latter
   Map& map_;
   std::vector<Free> free_;
   std::vector<int> match_, claimed_by_, claimed_distance_;

@@ -123,8 +123,10 @@ void bindSlam(SettingBinder& b, slam::SlamSettings& s) {
 
   b.section("slam.mapper");
   b.number("neighbours", s.mapper.neighbours, 1, 100, "keyframes to triangulate with");
-  b.number("max_parallax_cos", s.mapper.max_parallax_cos, 0.5, 1,
+  b.number("min_parallax_deg", s.mapper.min_parallax_deg, 0, 60,
            "rays closer than this make no point");
+  b.number("expected_parallax_deg", s.mapper.expected_parallax_deg, 0, 60,
+           "nor do features that would show less at the depth in the middle of what is seen");
   b.number("triangulation_chi2", s.mapper.triangulation_chi2, 0.01, 100,
            "squared reprojection error over variance");
   b.number("window_keyframes", s.mapper.window_keyframes, 2, 200,

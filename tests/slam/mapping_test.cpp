@@ -52,6 +52,27 @@ TEST(PointCreator, MakesNothingWithoutBaseline) {
   EXPECT_TRUE(created.empty());
 }
 
+int createdAcross(const World& world, double baseline) {
+  MappedWorld m(smallSettings(), world, sidewaysPoses(2, baseline));
+  for (std::size_t i = 0; i < world.points.size(); i += 3)
+    if (m.point_of[i] != kNone) m.map.removePoint(m.point_of[i]);
+  PointCreator creator(smallSettings(), m.map);
+  std::vector<PointRef> created;
+  created.reserve(1000);
+  creator.create(m.keyframes[1], std::vector<KeyframeId>{m.keyframes[0]}, created);
+  return static_cast<int>(created.size());
+}
+
+// Points lie 4 to 8 units away: 0.57 degrees are 0.04 units across the nearest, 0.08 across the
+// farthest, and 0.8 degrees 0.084 across those in the middle.
+TEST(PointCreator, DoesNotTakeTheNearOnesAloneWhereTheBaselineIsShort) {
+  const World world(300);
+  EXPECT_EQ(createdAcross(world, 0.07), 0);
+  const int all = createdAcross(world, 0.5);
+  EXPECT_GT(all, 50);
+  EXPECT_GT(createdAcross(world, 0.11), all * 9 / 10);
+}
+
 TEST(PointFuser, MakesDoublesOne) {
   const World world(200);
   MappedWorld m(smallSettings(), world, sidewaysPoses(4));

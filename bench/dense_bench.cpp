@@ -16,7 +16,7 @@ const RenderedViews& scene() {
 }
 
 void takePicture(benchmark::State& state) {
-  const PinholeView view(scene().camera, 1);
+  const PinholeView view(scene().camera, 1, DenseSettings{}.picture_width);
   RectifiedPicture out;
   for (auto _ : state) rectify(scene().pictures[0].luma, view, {}, DepthEstimator::kRadius, out);
 }
@@ -24,7 +24,7 @@ BENCHMARK(takePicture)->Unit(benchmark::kMillisecond);
 
 void makeDepthMap(benchmark::State& state) {
   const DenseSettings settings;
-  const PinholeView view(scene().camera, 1);
+  const PinholeView view(scene().camera, 1, DenseSettings{}.picture_width);
   std::vector<RectifiedPicture> pictures(4);
   std::vector<DepthSource> sources;
   const auto& poses = scene().cloud.views_T_camera_world;

@@ -12,7 +12,9 @@ struct ReconSettings {
   Method method = Method::Dense;
   DenseSettings dense;
   int threads = 2;           // that share the work; the surface does not depend on how many
-  double period_s = 3.0;     // a new surface this often; 0: only on demand
+  // A new surface this often; 0: only on demand. Each makes depth maps of what came into view: with
+  // 3 s a sweep of 15 s was complete to 82 % instead of 85 %.
+  double period_s = 2.0;
   int color_pictures = 128;  // views whose colour is kept, 58 kB each at 640x480: 7 MB
   int min_points = 100;      // fewer after the filters: no surface is attempted
 

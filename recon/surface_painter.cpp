@@ -9,6 +9,7 @@
 namespace depthscope::recon {
 namespace {
 
+constexpr int kMaxWidth_px = 400;  // of the view that visibility is worked out in
 constexpr std::size_t kMaxViews = 24;
 constexpr float kMinGain = 2;    // map points' worth of a better view that a view must bring
 constexpr int kCoarse_px = 4;    // side of the cells in which the nearest vertex hides others
@@ -22,7 +23,7 @@ constexpr float kDoubtful = 1e-4f;           // weight of such pixels beside oth
 SurfacePainter::SurfacePainter(const CameraModel& camera, int pictures)
     : size_(camera.width, camera.height), gallery_(pictures, size_) {
   if (size_.pixels() == 0) return;
-  view_.emplace(camera, size_.factor);
+  view_.emplace(camera, size_.factor, kMaxWidth_px);
   const PinholeLevel& level = view_->level(0);
   pixel_.reset(level.width, level.height, -1);
   nearest_.reset(level.width / kCoarse_px + 1, level.height / kCoarse_px + 1);

@@ -34,7 +34,7 @@ DenseReconstructor::DenseReconstructor(const CameraModel& camera, const DenseSet
                                        int threads)
     : settings_(settings),
       threads_(threads),
-      view_(camera, reductionFactor(camera.width, settings.picture_width)),
+      view_(camera, reductionFactor(camera.width, settings.picture_width), settings.picture_width),
       store_(settings.pictures, settings.depth_maps),
       volume_(settings.max_blocks),
       scratch_(static_cast<std::size_t>(threads)) {

@@ -6,7 +6,6 @@ namespace depthscope::recon {
 namespace {
 
 constexpr int kMultiple = 1 << (kLevels - 1);  // so that every level halves evenly
-constexpr int kMaxWidth = 400;                 // [px] of the finest level
 
 struct Extent {
   float left = 0, right = 0, top = 0, bottom = 0;  // normalized coordinates
@@ -40,11 +39,11 @@ int roundUp(float size) {
 
 }  // namespace
 
-PinholeView::PinholeView(const CameraModel& camera, int factor) {
+PinholeView::PinholeView(const CameraModel& camera, int factor, int max_width) {
   const Extent e = visibleExtent(camera, kMaxTangent);
   const auto wanted =
       static_cast<float>(std::sqrt(camera.fx * camera.fy)) / static_cast<float>(factor);
-  const float f = std::min(wanted, static_cast<float>(kMaxWidth) / (e.right - e.left));
+  const float f = std::min(wanted, static_cast<float>(max_width) / (e.right - e.left));
   PinholeLevel& finest = levels_[0];
   finest = {roundUp(f * (e.right - e.left)), roundUp(f * (e.bottom - e.top)), f, -f * e.left,
             -f * e.top};

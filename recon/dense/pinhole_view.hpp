@@ -22,8 +22,8 @@ struct PinholeLevel {
 /// `kMaxTangent` from the axis, at about the resolution of the reduced picture.
 class PinholeView {
  public:
-  /// For pictures of `camera` reduced by `factor`.
-  PinholeView(const CameraModel& camera, int factor);
+  /// For pictures of `camera` reduced by `factor`; `max_width` [px] bounds the finest level.
+  PinholeView(const CameraModel& camera, int factor, int max_width);
 
   /// Level 0 is the finest.
   const PinholeLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }

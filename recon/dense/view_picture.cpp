@@ -1,11 +1,11 @@
 #include "recon/dense/view_picture.hpp"
 
-#include <cmath>
+#include <algorithm>
 
 namespace depthscope::recon {
 
 int reductionFactor(int width, int wanted) {
-  return std::max(1, static_cast<int>(std::lround(static_cast<double>(width) / wanted)));
+  return std::max(1, width / wanted);
 }
 
 void copyColor(const RgbView& color, Grid<Rgb>& out) {

@@ -14,7 +14,7 @@ struct ViewPicture {
   Grid<Rgb> color;          // of ColorReduction's size
 };
 
-/// Factor by which pictures `width` wide are reduced so that they come near `wanted` [px].
+/// Whole factor by which pictures `width` wide are reduced so that `wanted` pixels or more are left.
 int reductionFactor(int width, int wanted);
 
 /// Copies a colour picture. `out` keeps its storage.

@@ -242,7 +242,7 @@ TEST_F(DaemonRun, ReadsItsConfigurationAgainOnSighup) {
     ::kill(daemon_.pid(), SIGHUP);
     waitFor([&](const auto&) { return log().find(logged) != std::string::npos; });
   };
-  reload(config + "[overlay]\nopacity = 0.3\n[recon]\nperiod_s = 2\nmin_points = 99\n",
+  reload(config + "[overlay]\nopacity = 0.3\n[recon]\nperiod_s = 1.5\nmin_points = 99\n",
          "applied=\"recon.period_s, overlay.opacity\" needs_restart=recon.min_points");
   reload(config + "[overlay]\nopacity = 3\n", "not read again, the old one stays in force error=");
   EXPECT_THAT(log(), HasSubstr("overlay.opacity = 3: expected a number from 0 to 1"));

@@ -1,6 +1,7 @@
 #include "slam/pose_tracker.hpp"
 
 #include <algorithm>
+#include <array>
 #include <mutex>
 
 namespace depthscope::slam {
@@ -116,7 +117,7 @@ int PoseTracker::trackLocalMap(TrackedFrame& frame, double search_scale) {
   return inliers;
 }
 
-void PoseTracker::projectLocalMap(const Pose& T, double search_scale) {
+void PoseTracker::projectLocalMap(const Pose& T, double search_scale, bool all) {
   constexpr double kNearlyFrontalCos = 0.998;  // a narrower window is enough then
   constexpr double kMaxViewAngleCos = 0.5;     // 60 degrees from the mean viewing direction
   projected_.clear();
@@ -135,7 +136,7 @@ void PoseTracker::projectLocalMap(const Pose& T, double search_scale) {
     const double cos_view = (R_world_camera * p).dot(lp.normal.cast<double>()) / distance;
     if (cos_view < kMaxViewAngleCos) continue;
     visible_.push_back(lp.ref);
-    if (lp.tracked) continue;
+    if (lp.tracked && !all) continue;
     const Eigen::Vector2f undistorted = intrinsics_.project(p).cast<float>();
     const int level = map_.predictLevel(lp.max_distance, distance);
     const double radius = settings_.matching.map_radius_px * search_scale *
@@ -144,6 +145,33 @@ void PoseTracker::projectLocalMap(const Pose& T, double search_scale) {
                           static_cast<float>(radius) * map_.scaleOf(level), level - 1, level,
                           static_cast<std::int32_t>(i)});
   }
+}
+
+int PoseTracker::foundByChance(const TrackedFrame& frame) {
+  // Beyond the windows that points are looked for in, near enough to see tissue of the same kind.
+  const float beside = static_cast<float>(camera_.width) / 16;
+  const std::array<Eigen::Vector2f, 4> places{Eigen::Vector2f(beside, 0), {-beside, 0}, {0, beside},
+                                              {0, -beside}};
+  projectLocalMap(frame.T_camera_world, 1, true);
+  int found = 0;
+  Eigen::Vector2f moved = Eigen::Vector2f::Zero();
+  for (const Eigen::Vector2f& place : places) {
+    for (ProjectedPoint& p : projected_) {
+      p.u += place.x() - moved.x();
+      p.v += place.y() - moved.y();
+    }
+    moved = place;
+    std::fill(matches_.begin(), matches_.end(), kNone);
+    matcher_.matchProjected(frame.features, projected_, settings_.matching.hamming_loose,
+                            settings_.matching.ratio, matches_);
+    for (int f = 0; f < frame.features.size(); ++f) {
+      if (matches_[f] < 0) continue;
+      const Keypoint& k = frame.features.keypoints[f];
+      const float du = projected_[matches_[f]].u - k.ux, dv = projected_[matches_[f]].v - k.uy;
+      found += du * du + dv * dv <= kChi2TwoDof95 * k.sigma * k.sigma;
+    }
+  }
+  return found / static_cast<int>(places.size());
 }
 
 void PoseTracker::lookUpPositions(const TrackedFrame& frame) {

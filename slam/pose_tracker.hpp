@@ -54,13 +54,17 @@ class PoseTracker {
   int findable(const TrackedFrame& frame) const {
     return std::min(frame.features.size(), static_cast<int>(visible_.size()));
   }
+  /// How many points of the local map the frame would show by chance: looked for in wrong places,
+  /// beside those where the frame's pose puts them, and found as near there as an inlier must be.
+  int foundByChance(const TrackedFrame& frame);
   /// Collects the local map of a frame afresh, for reference(). Map mutex held.
   void collectLocalMap(const TrackedFrame& frame) { local_map_.collect(map_, frame.points); }
 
  private:
   int matchLastFrame(const TrackedFrame& last, double radius_px, TrackedFrame& frame);
   void projectLastFrame(const TrackedFrame& last, double radius_px, const Pose& T_camera_world);
-  void projectLocalMap(const Pose& T_camera_world, double search_scale);
+  /// `all`: those, too, that the frame has already.
+  void projectLocalMap(const Pose& T_camera_world, double search_scale, bool all = false);
   void lookUpPositions(const TrackedFrame& frame);
   int optimize(TrackedFrame& frame);
   void countSightings(const TrackedFrame& frame);

@@ -30,7 +30,7 @@ class Recovery {
   bool fromLastTracked(TrackedFrame& frame);
   bool fromDoubt(const TrackedFrame& last, TrackedFrame& frame);
   bool fromWholeMap(TrackedFrame& frame);
-  bool foundEnough(const TrackedFrame& frame) const;
+  bool foundEnough(const TrackedFrame& frame);
 
   TrackerSettings settings_;
   CameraModel camera_;

@@ -46,6 +46,30 @@ TEST(PoseTracker, FindsAPointInOneFeatureOnly) {
   for (const PointId p : points) EXPECT_EQ(points.count(p), 1u);
 }
 
+int foundByChanceIn(const World& world) {
+  const SlamSettings settings = smallSettings();
+  const auto poses = sidewaysPoses(3);
+  MappedWorld mapped(settings, world, poses);
+  PoseTracker tracker(testCameraModel(), settings, mapped.map);
+  TrackedFrame frame(settings.extractor.features, testCameraModel());
+  std::vector<int> ids;
+  frame.features = world.view(poses[1], ids);
+  frame.T_camera_world = poses[1];
+  for (int f = 0; f < frame.features.size(); ++f)
+    if (const PointId p = mapped.point_of[ids[f]]; p != kNone) frame.points[f] = mapped.map.ref(p);
+  EXPECT_GT(tracker.trackLocalMap(frame), 100);
+  return tracker.foundByChance(frame);
+}
+
+TEST(PoseTracker, TellsWhatWouldBeFoundByChance) {
+  World world(400);
+  EXPECT_EQ(foundByChanceIn(world), 0);
+  // All points look the same: where two lie as far apart as is looked beside, one passes for the
+  // other.
+  for (Descriptor& d : world.descriptors) d = world.descriptors.front();
+  EXPECT_GT(foundByChanceIn(world), 2);
+}
+
 TEST(PoseTracker, PointsThatDoNotStandStillLoseTrust) {
   const SlamSettings settings = smallSettings();
   const World world(300);

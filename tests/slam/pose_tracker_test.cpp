@@ -11,95 +11,89 @@ namespace {
 
 using namespace testing;
 
-TEST(PoseTracker, FindsAPointInOneFeatureOnly) {
-  const SlamSettings settings = smallSettings();
-  const World world(150);
-  const auto poses = sidewaysPoses(3);
-  MappedWorld mapped(settings, world, poses);
-  PoseTracker tracker(testCameraModel(), settings, mapped.map);
+/// A world mapped from three places, and a frame taken at the middle one.
+struct SeenWorld {
+  const World& world;
+  SlamSettings settings = smallSettings();
+  std::vector<Pose> poses = sidewaysPoses(3);
+  MappedWorld mapped{settings, world, poses};
+  PoseTracker tracker{testCameraModel(), settings, mapped.map};
+  TrackedFrame frame{settings.extractor.features, testCameraModel()};
+  std::vector<int> ids;  // per feature of the frame, the world's point
 
-  // Every feature twice, half a pixel apart; the first of each is known already.
-  TrackedFrame frame(settings.extractor.features, testCameraModel());
-  std::vector<int> ids;
-  frame.features = world.view(poses[1], ids);
-  frame.T_camera_world = poses[1];
-  const int seen = frame.features.size();
-  int known = 0;
-  for (int f = 0; f < seen; ++f) {
-    Keypoint double_of = frame.features.keypoints[f];
-    double_of.x = double_of.ux += 0.5F;
-    frame.features.keypoints.push_back(double_of);
-    frame.features.descriptors.push_back(frame.features.descriptors[f]);
-    if (const PointId p = mapped.point_of[ids[f]]; p != kNone) {
-      frame.points[f] = mapped.map.ref(p);
-      ++known;
-    }
-  }
-  ASSERT_LE(frame.features.size(), settings.extractor.features);
-  frame.features.grid.build(frame.features.keypoints);
-
-  const int inliers = tracker.trackLocalMap(frame);
-  EXPECT_EQ(inliers, known);
-  std::multiset<PointId> points;
-  for (int f = 0; f < frame.features.size(); ++f)
-    if (frame.points[f].id != kNone) points.insert(frame.points[f].id);
-  for (const PointId p : points) EXPECT_EQ(points.count(p), 1u);
-}
-
-int foundByChanceIn(const World& world) {
-  const SlamSettings settings = smallSettings();
-  const auto poses = sidewaysPoses(3);
-  MappedWorld mapped(settings, world, poses);
-  PoseTracker tracker(testCameraModel(), settings, mapped.map);
-  TrackedFrame frame(settings.extractor.features, testCameraModel());
-  std::vector<int> ids;
-  frame.features = world.view(poses[1], ids);
-  frame.T_camera_world = poses[1];
-  for (int f = 0; f < frame.features.size(); ++f)
-    if (const PointId p = mapped.point_of[ids[f]]; p != kNone) frame.points[f] = mapped.map.ref(p);
-  EXPECT_GT(tracker.trackLocalMap(frame), 100);
-  return tracker.foundByChance(frame);
-}
-
-TEST(PoseTracker, TellsWhatWouldBeFoundByChance) {
-  World world(400);
-  EXPECT_EQ(foundByChanceIn(world), 0);
-  // All points look the same: where two lie as far apart as is looked beside, one passes for the
-  // other.
-  for (Descriptor& d : world.descriptors) d = world.descriptors.front();
-  EXPECT_GT(foundByChanceIn(world), 2);
-}
-
-TEST(PoseTracker, PointsThatDoNotStandStillLoseTrust) {
-  const SlamSettings settings = smallSettings();
-  const World world(300);
-  const auto poses = sidewaysPoses(3);
-  MappedWorld mapped(settings, world, poses);
-  PoseTracker tracker(testCameraModel(), settings, mapped.map);
-  const auto moves = [](int point) { return point % 4 == 0; };
-
-  TrackedFrame frame(settings.extractor.features, testCameraModel());
-  std::vector<int> ids;
-  for (int i = 0; i < 60; ++i) {
+  explicit SeenWorld(const World& seen) : world(seen) {}
+  /// Makes the frame anew; how many map points it shows, which it is told.
+  int look() {
     frame.features = world.view(poses[1], ids);
     frame.T_camera_world = poses[1];
+    int known = 0;
     for (int f = 0; f < frame.features.size(); ++f) {
       const PointId p = mapped.point_of[ids[f]];
       frame.points[f] = p == kNone ? PointRef{} : mapped.map.ref(p);
-      if (!moves(ids[f])) continue;
-      Keypoint& k = frame.features.keypoints[f];
-      k.ux += (ids[f] / 4 + i) % 2 == 0 ? 2.f * k.sigma : -2.f * k.sigma;
+      known += p != kNone;
     }
-    frame.features.grid.build(frame.features.keypoints);
-    ASSERT_GT(tracker.trackLocalMap(frame), 100);
+    return known;
   }
-  for (const int point : ids) {
-    const PointId p = mapped.point_of[point];
+};
+
+TEST(PoseTracker, FindsAPointInOneFeatureOnly) {
+  const World world(150);
+  SeenWorld s(world);
+  const int known = s.look();
+  // Every feature twice, half a pixel apart; the first of each is known already.
+  FeatureSet& features = s.frame.features;
+  for (int f = 0, seen = features.size(); f < seen; ++f) {
+    Keypoint double_of = features.keypoints[f];
+    double_of.x = double_of.ux += 0.5F;
+    features.keypoints.push_back(double_of);
+    features.descriptors.push_back(features.descriptors[f]);
+  }
+  ASSERT_LE(features.size(), s.settings.extractor.features);
+  features.grid.build(features.keypoints);
+
+  EXPECT_EQ(s.tracker.trackLocalMap(s.frame), known);
+  std::multiset<PointId> points;
+  for (int f = 0; f < features.size(); ++f)
+    if (s.frame.points[f].id != kNone) points.insert(s.frame.points[f].id);
+  for (const PointId p : points) EXPECT_EQ(points.count(p), 1u);
+}
+
+TEST(PoseTracker, TellsWhatWouldBeFoundByChance) {
+  const auto found_by_chance = [](const World& world) {
+    SeenWorld s(world);
+    s.look();
+    EXPECT_GT(s.tracker.trackLocalMap(s.frame), 100);
+    return s.tracker.foundByChance(s.frame);
+  };
+  World world(400);
+  EXPECT_EQ(found_by_chance(world), 0);
+  // All points look the same: where two lie as far apart as is looked beside, one passes for the
+  // other.
+  for (Descriptor& d : world.descriptors) d = world.descriptors.front();
+  EXPECT_GT(found_by_chance(world), 2);
+}
+
+TEST(PoseTracker, PointsThatDoNotStandStillLoseTrust) {
+  const World world(300);
+  SeenWorld s(world);
+  const auto moves = [](int point) { return point % 4 == 0; };
+  for (int i = 0; i < 60; ++i) {
+    s.look();
+    for (int f = 0; f < s.frame.features.size(); ++f) {
+      if (!moves(s.ids[f])) continue;
+      Keypoint& k = s.frame.features.keypoints[f];
+      k.ux += (s.ids[f] / 4 + i) % 2 == 0 ? 2.f * k.sigma : -2.f * k.sigma;
+    }
+    s.frame.features.grid.build(s.frame.features.keypoints);
+    ASSERT_GT(s.tracker.trackLocalMap(s.frame), 100);
+  }
+  for (const int point : s.ids) {
+    const PointId p = s.mapped.point_of[point];
     if (p == kNone) continue;
     if (moves(point))
-      EXPECT_LT(mapped.map.point(p).trust(), 0.6f) << point;
+      EXPECT_LT(s.mapped.map.point(p).trust(), 0.6f) << point;
     else
-      EXPECT_EQ(mapped.map.point(p).trust(), 1.f) << point;
+      EXPECT_EQ(s.mapped.map.point(p).trust(), 1.f) << point;
   }
 }
 

@@ -24,7 +24,7 @@ BENCHMARK(takePicture)->Unit(benchmark::kMillisecond);
 
 void makeDepthMap(benchmark::State& state) {
   const DenseSettings settings;
-  const PinholeView view(scene().camera, 1, DenseSettings{}.picture_width);
+  const PinholeView view(scene().camera, 1, settings.picture_width);
   std::vector<RectifiedPicture> pictures(4);
   std::vector<DepthSource> sources;
   const auto& poses = scene().cloud.views_T_camera_world;

@@ -11,9 +11,9 @@ struct ReconSettings {
   enum class Method { Sparse, Dense };  // from map points alone (paper) or pictures
   Method method = Method::Dense;
   DenseSettings dense;
-  int threads = 2;           // that share the work; the surface does not depend on how many
+  int threads = 2;  // that share the work; the surface does not depend on how many
   // A new surface this often; 0: only on demand. Each makes depth maps of what came into view: with
-  // 3 s a sweep of 15 s was complete to 82 % instead of 85 %.
+  // 3 s a sweep of 15 s was complete to 83 % instead of 85 %.
   double period_s = 2.0;
   int color_pictures = 128;  // views whose colour is kept, 58 kB each at 640x480: 7 MB
   int min_points = 100;      // fewer after the filters: no surface is attempted

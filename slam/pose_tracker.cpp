@@ -150,8 +150,8 @@ void PoseTracker::projectLocalMap(const Pose& T, double search_scale, bool all) 
 int PoseTracker::foundByChance(const TrackedFrame& frame) {
   // Beyond the windows that points are looked for in, near enough to see tissue of the same kind.
   const float beside = static_cast<float>(camera_.width) / 16;
-  const std::array<Eigen::Vector2f, 4> places{Eigen::Vector2f(beside, 0), {-beside, 0}, {0, beside},
-                                              {0, -beside}};
+  const std::array<Eigen::Vector2f, 4> places{
+      Eigen::Vector2f(beside, 0), {-beside, 0}, {0, beside}, {0, -beside}};
   projectLocalMap(frame.T_camera_world, 1, true);
   int found = 0;
   Eigen::Vector2f moved = Eigen::Vector2f::Zero();

@@ -20,7 +20,7 @@ constexpr double kMinFoundOfMap = 0.03;
 constexpr float kMinSpreadOfMap = 0.25f;
 // Where the local map has so many points that some match anywhere, a wrong pose collects them: in a
 // kitchen one rested on 44 points, two pictures running, while 10 were found beside where it put
-// them. Right poses rested on 7 to 50 times as many as are found beside, the first pictures after a
+// them. Right poses rested on 6 to 50 times as many as are found beside, the first pictures after a
 // gap on 4 times.
 constexpr int kOverChance = 6;
 constexpr int kSureInliers = 100;  // fewer: the next picture must agree

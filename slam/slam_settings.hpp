@@ -105,7 +105,7 @@ struct TrackerSettings {
 
 /// Mapping (slam/mapper).
 struct MapperSettings {
-  int neighbours = 10;               // keyframes to triangulate with
+  int neighbours = 10;  // keyframes to triangulate with
   // Rays closer than this make no point. With 1.15 deg there were fewer: on nasal endoscopy (eight
   // pieces) paths were off by 0.0195 instead of 0.0152, a sweep by 0.674 mm instead of 0.661, dark,
   // smooth tissue was tracked in 87 % of the frames instead of 90 % (means of five runs each).
@@ -113,8 +113,9 @@ struct MapperSettings {
   // Nor do features whose parallax would be smaller than this at the depth in the middle of what
   // the keyframe sees. Where a baseline is that short the gate above is passed by what noise has
   // brought near, and the map shrinks as it grows. With it paths on nasal endoscopy were off by
-  // 0.0128, and on dark, smooth tissue played forwards and backwards depth changed within a second
-  // by factors that differed by 1.3 instead of 1.6.
+  // 0.0128. Two clips of dark, smooth tissue played forwards and backwards: within a second depth
+  // changed by factors that differed by 1.3 instead of 1.6 on one, by 1.6 with it and without on
+  // the other.
   double expected_parallax_deg = 0.8;
   // Squared error over variance of a new point; 0.5991 (paper), which leaves 3 to 24 % fewer
   // points. With it a sweep was off by 0.661 mm instead of 0.668, nasal endoscopy by six times as

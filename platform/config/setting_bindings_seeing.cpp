@@ -8,7 +8,8 @@ void bindDense(SettingBinder& b, recon::DenseSettings& s) {
   b.section("recon.dense");
   b.number("pictures", s.pictures, 4, 1000, "of views, kept, 0.4 MB each");
   b.number("depth_maps", s.depth_maps, 2, 1000, "kept and fused, 0.2 MB each");
-  b.number("picture_width", s.picture_width, 80, 640, "[px] of the undistorted view that they are matched in, at most");
+  b.number("picture_width", s.picture_width, 80, 640,
+           "[px] of the undistorted view that they are matched in, at most");
   b.number("dark_threshold", s.dark_threshold, 0, 255,
            "[grey levels] at or below, joined to the border: no tissue");
   b.number("specular_threshold", s.specular_threshold, 1, 256,

@@ -10,11 +10,11 @@
 namespace depthscope::recon {
 namespace {
 
-// [px] between rays that make blocks: a third of a block's side apart. With 2 surfaces are the same,
-// and take a twentieth longer.
+// [px] between rays that make blocks: a third of a block's side apart. With 2 surfaces are the
+// same, and take a twentieth longer.
 constexpr int kAllocationStride = 3;
-constexpr int kTile_px = 8;           // side of the tiles that a view's depths are bounded in
-constexpr float kRounding = 1.01f;    // times the radius of a block
+constexpr int kTile_px = 8;         // side of the tiles that a view's depths are bounded in
+constexpr float kRounding = 1.01f;  // times the radius of a block
 
 }  // namespace
 

@@ -14,7 +14,8 @@ struct ViewPicture {
   Grid<Rgb> color;          // of ColorReduction's size
 };
 
-/// Whole factor by which pictures `width` wide are reduced so that `wanted` pixels or more are left.
+/// Whole factor by which pictures `width` wide are reduced so that `wanted` pixels or more are
+/// left.
 int reductionFactor(int width, int wanted);
 
 /// Copies a colour picture. `out` keeps its storage.

@@ -153,6 +153,7 @@ class Map {
   /// old one. `world_mutex` and `mutex` held.
   void correctWorld(const Sim3& T_new_old) {
     correction_ = T_new_old * correction_;
+    correction_.R = orthonormal(correction_.R);
     ++corrections_;
   }
   /// All of these moves together, and their number.

@@ -91,7 +91,7 @@ PoseGraphSummary PoseGraph::solve(int max_iterations) {
       lambda *= 100;
     }
   }
-  for (Node& n : nodes_) n.T.R = Eigen::Quaterniond(n.T.R).normalized().toRotationMatrix();
+  for (Node& n : nodes_) n.T.R = orthonormal(n.T.R);
   return summary;
 }
 

@@ -33,10 +33,10 @@ struct Sim3 {
   bool allFinite() const { return std::isfinite(s) && R.allFinite() && t.allFinite(); }
 
   /// The camera whose world was moved by this similarity `T_new_old`: T_camera_old in the new
-  /// world, its own unit of length the new one.
+  /// world, its own unit of length the new one. R is kept orthonormal, however often.
   Pose moved(const Pose& T_camera_old) const {
     const Sim3 camera = Sim3(T_camera_old) * inverse();
-    return {camera.R, camera.t / camera.s};
+    return {orthonormal(camera.R), camera.t / camera.s};
   }
   /// As a rigid transform of which this is the multiple: R, t / s.
   Pose normalized() const { return {R, t / s}; }

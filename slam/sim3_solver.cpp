@@ -183,7 +183,7 @@ int refineSim3(const Intrinsics& camera, std::span<Sim3Match> matches, const Sim
     if (inliers < settings.min_inliers) return 0;
     if (inliers == before && round > 0) break;
   }
-  T.R = Eigen::Quaterniond(T.R).normalized().toRotationMatrix();
+  T.R = orthonormal(T.R);
   T_old_new = T;
   return inliers;
 }

@@ -25,6 +25,12 @@ inline Eigen::Vector3d logSO3(const Eigen::Matrix3d& R) {
   return a.angle() * a.axis();
 }
 
+/// The rotation next to a product of rotations: what rounding did to it grows with every product,
+/// and threefold with every R R^T R.
+inline Eigen::Matrix3d orthonormal(const Eigen::Matrix3d& R) {
+  return Eigen::Quaterniond(R).normalized().toRotationMatrix();
+}
+
 /// A rigid transform. `T_a_b` takes a point of frame b into frame a: p_a = T_a_b * p_b; chains read
 /// off: T_a_c = T_a_b * T_b_c. Camera frames: x right, y down, z forward. Length unit: the map's.
 struct Pose {
@@ -39,7 +45,7 @@ struct Pose {
   /// orthonormal.
   Pose retract(const Eigen::Vector3d& w, const Eigen::Vector3d& v) const {
     const Eigen::Matrix3d dR = expSO3(w);
-    return {Eigen::Quaterniond(dR * R).normalized().toRotationMatrix(), dR * t + v};
+    return {orthonormal(dR * R), dR * t + v};
   }
   Eigen::Quaterniond quaternion() const { return Eigen::Quaterniond(R).normalized(); }
   bool allFinite() const { return R.allFinite() && t.allFinite(); }

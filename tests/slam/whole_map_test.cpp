@@ -74,6 +74,29 @@ TEST_F(DisturbedMap, IsConsistentAfterwardsAndAsLargeAndWhereItWas) {
   EXPECT_LT((keyframe(0).T_camera_world.R - oldest.R).norm(), 1e-9);
 }
 
+/// A night's worth of adjustments: what rounding does to a rotation must not add up, let alone
+/// multiply, in the one keyframe whose pose no adjustment determines anew.
+TEST_F(DisturbedMap, StaysWhereItIsHoweverOftenItIsAdjusted) {
+  const Sim3 turn = expSim3((Vector7d() << 0.4, -0.3, 0.2, 0, 0, 0, 0).finished());
+  for (const KeyframeId k : mapped_.keyframes) map().moveKeyframe(k, turn);
+  for (PointId p = 0; p < map().pointEnd(); ++p) map().movePoint(p, turn);
+  const Pose oldest = keyframe(0).T_camera_world;
+  BundleAdjuster adjuster(12, 1000, 12000);
+  GlobalBundle bundle(smallSettings(), map(), adjuster);
+  for (int n = 0; n < 100; ++n) {
+    for (int i = 1; i < kKeyframes; ++i) {
+      Pose& T = keyframe(i).T_camera_world;
+      T = T.retract(shake(0.001), shake(0.001));
+    }
+    ASSERT_GT(bundle.adjust(map().activeId(), 5, nullptr).iterations, 0);
+  }
+  EXPECT_LT(reprojectionError(kKeyframes), 0.1);
+  EXPECT_LT((keyframe(0).T_camera_world.R - oldest.R).norm(), 1e-9);
+  EXPECT_LT((keyframe(0).T_camera_world.t - oldest.t).norm(), 1e-9);
+  const Eigen::Matrix3d R = map().correction().R;
+  EXPECT_LT((R * R.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+}
+
 TEST_F(DisturbedMap, IsLeftAloneWhereItIsNone) {
   BundleAdjuster adjuster(12, 1000, 12000);
   GlobalBundle bundle(smallSettings(), map(), adjuster);

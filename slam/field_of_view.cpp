@@ -14,10 +14,9 @@ enum Region : std::uint8_t { kBright, kDark, kSurroundings, kPiece, kView };
 
 }  // namespace
 
-FieldOfView::FieldOfView(const ImagePyramid& pyramid, int dark_threshold)
+FieldOfView::FieldOfView(const ImagePyramid& pyramid)
     : width_(pyramid.level(0).width()),
       height_(pyramid.level(0).height()),
-      dark_threshold_(dark_threshold),
       cell_(kStep * pyramid.scale(pyramid.levels() - 1)),
       surroundings_(width_, height_, cell_),
       bounds_{0, 0, width_, height_},
@@ -25,7 +24,8 @@ FieldOfView::FieldOfView(const ImagePyramid& pyramid, int dark_threshold)
   visited_.reserve(region_.size());
 }
 
-void FieldOfView::update(const ImagePyramid& pyramid) {
+void FieldOfView::update(const ImagePyramid& pyramid, int dark_threshold) {
+  dark_threshold_ = dark_threshold;
   classify(pyramid.level(pyramid.levels() - 1));
   surroundings_.clear();
   bounds_ = {0, 0, width_, height_};

@@ -14,14 +14,14 @@ namespace depthscope::slam {
 /// surroundings, whose edge stands still in the picture and must not be taken for tissue.
 class FieldOfView {
  public:
-  /// For pictures of the size of `pyramid`. Pixels at or below `dark_threshold` may be
-  /// surroundings.
-  FieldOfView(const ImagePyramid& pyramid, int dark_threshold);
+  /// For pictures of the size of `pyramid`.
+  explicit FieldOfView(const ImagePyramid& pyramid);
 
   /// Finds the view in the coarsest level: surroundings are what is dark and connected to the
   /// picture's border through dark; of the rest the largest piece is the view (towers write text
   /// into the corners).
-  void update(const ImagePyramid& pyramid);
+  /// Pixels at or below `dark_threshold` may be surroundings.
+  void update(const ImagePyramid& pyramid, int dark_threshold);
 
   /// Distance [px] at full resolution from (x, y) to the surroundings, to within about 7 px.
   double distance(double x, double y) const { return surroundings_.at(x, y); }
@@ -41,7 +41,7 @@ class FieldOfView {
   /// number.
   int flood(int column, int row, std::uint8_t from, std::uint8_t to);
 
-  int width_, height_, dark_threshold_;
+  int width_, height_, dark_threshold_ = 0;
   double cell_;  // [px of full resolution]
   CellDistance surroundings_;
   Area bounds_;

@@ -29,7 +29,6 @@ void highestOfCells(const ImageBuffer& image, int y, int cell, std::vector<std::
 HighlightMask::HighlightMask(const ImagePyramid& pyramid, const ExtractorSettings& settings)
     : cell_(pyramid.level(0).width() < 800 ? 4 : 8),
       specular_threshold_(settings.specular_threshold),
-      dark_threshold_(settings.dark_threshold),
       contrast_(static_cast<std::uint32_t>(std::lround(settings.specular_contrast * 256))),
       highlights_(pyramid.level(0).width(), pyramid.level(0).height(), cell_),
       brightness_(pyramid.level(pyramid.levels() - 1)),
@@ -37,8 +36,8 @@ HighlightMask::HighlightMask(const ImagePyramid& pyramid, const ExtractorSetting
       workspace_(highest_.size() + 8),
       tissue_(highlights_.columns()) {}
 
-void HighlightMask::update(const ImagePyramid& pyramid) {
-  brightness_.update(pyramid.level(pyramid.levels() - 1), dark_threshold_);
+void HighlightMask::update(const ImagePyramid& pyramid, int dark_threshold) {
+  brightness_.update(pyramid.level(pyramid.levels() - 1), dark_threshold);
   highlights_.clear();
   bool any = false;
   for (int r = 0; r < highlights_.rows(); ++r) {

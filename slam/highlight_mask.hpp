@@ -18,7 +18,7 @@ class HighlightMask {
 
   /// Finds the highlights of the pyramid's picture: what is saturated, or stands out from the
   /// tissue around it by more than texture does.
-  void update(const ImagePyramid& pyramid);
+  void update(const ImagePyramid& pyramid, int dark_threshold);
 
   /// Distance [px] at full resolution from (x, y) to the nearest highlight, to within a cell of 4
   /// px (8 px in pictures 800 px wide or more).
@@ -26,7 +26,7 @@ class HighlightMask {
 
  private:
   int cell_;  // [px]
-  int specular_threshold_, dark_threshold_;
+  int specular_threshold_;
   std::uint32_t contrast_;  // times 256
   CellDistance highlights_;
   LocalBrightness brightness_;

@@ -5,6 +5,7 @@
 
 #include "slam/corner_refinement.hpp"
 #include "slam/orientation.hpp"
+#include "types/surroundings.hpp"
 
 namespace depthscope::slam {
 namespace {
@@ -30,7 +31,7 @@ OrbExtractor::OrbExtractor(const ExtractorSettings& settings, const CameraModel&
       path_(path),
       pyramid_(camera.width, camera.height, settings.levels, settings.scale_factor),
       highlights_(pyramid_, settings),
-      view_(pyramid_, settings.dark_threshold),
+      view_(pyramid_),
       detector_(camera.width),
       smoothing_(camera.width),
       distribution_(camera.width, camera.height, maximaCapacity(pyramid_.level(0))),
@@ -53,8 +54,10 @@ void OrbExtractor::extract(const GrayView& image, FeatureSet& out) {
   if (!image.empty() && image.width == camera_.width && image.height == camera_.height) {
     std::swap(smooth_, smooth_before_);
     pyramid_.build(image, path_);
-    highlights_.update(pyramid_);
-    view_.update(pyramid_);
+    const int dark =
+        surroundingsLimit(pyramid_.level(pyramid_.levels() - 1).view(), settings_.dark_threshold);
+    highlights_.update(pyramid_, dark);
+    view_.update(pyramid_, dark);
     for (int l = 0; l < settings_.levels; ++l) smoothing_(pyramid_.level(l), smooth_[l], path_);
     detect(settings_.fast_threshold, settings_.fast_threshold_min);
     // Little texture: what there is of it is worth more than its noise costs.

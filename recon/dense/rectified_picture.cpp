@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "types/surroundings.hpp"
+
 namespace depthscope::recon {
 namespace {
 
@@ -138,7 +140,10 @@ void rectify(const Grid<std::uint8_t>& reduced, const PinholeView& view,
              const DenseSettings& settings, int radius, RectifiedPicture& out) {
   RectifiedLevel& finest = out.levels[0];
   view.rectify(reduced, finest.luma);
-  markView(finest.luma, settings.dark_threshold, finest.usable);
+  const int dark =
+      surroundingsLimit({reduced.cells.data(), reduced.width, reduced.height, reduced.width},
+                        settings.dark_threshold);
+  markView(finest.luma, dark, finest.usable);
   paintSpeculars(finest.luma, settings);
   for (std::size_t l = 1; l < out.levels.size(); ++l) {
     halve(out.levels[l - 1].luma, out.levels[l].luma);

@@ -136,6 +136,18 @@ TEST(OrbExtractor, SpreadsFeaturesOverPictureAndScale) {
   for (const int n : octaves) EXPECT_GT(n, 30);
 }
 
+/// All of it darker than a fixed level of surroundings would be.
+TEST(OrbExtractor, FindsDimTissueUpToThePicturesBorder) {
+  const FeatureSet features = extract(testing::draw(kWidth, kHeight, [](double x, double y) {
+    return 8 + 0.12 * testing::TissueTexture(21)(x, y);
+  }));
+  EXPECT_GT(features.size(), 500);
+  std::array<int, 16> cells{};
+  for (const Keypoint& k : features.keypoints)
+    ++cells[static_cast<int>(k.y * 4 / kHeight) * 4 + static_cast<int>(k.x * 4 / kWidth)];
+  for (const int n : cells) EXPECT_GT(n, 10);
+}
+
 TEST(OrbExtractor, FindsTheSameTissueTurnedAndShifted) {
   const double angle = 0.6, c = std::cos(angle), s = std::sin(angle);
   const FeatureSet a = extract(testing::draw(kWidth, kHeight, tissue));

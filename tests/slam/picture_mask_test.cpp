@@ -54,7 +54,7 @@ TEST(HighlightMask, FindsWhatStandsOutFromTheTissueAroundIt) {
   });
   const ImagePyramid pyramid = pyramidOf(image);
   HighlightMask mask(pyramid, {});
-  mask.update(pyramid);
+  mask.update(pyramid, 24);
   EXPECT_EQ(mask.distance(200, 150), 0);
   EXPECT_NEAR(mask.distance(240, 150), 34, 6);
   EXPECT_GT(mask.distance(500, 400), 100);
@@ -67,7 +67,7 @@ TEST(HighlightMask, LetsBrightTissueBe) {
   });
   const ImagePyramid pyramid = pyramidOf(image);
   HighlightMask mask(pyramid, {});
-  mask.update(pyramid);
+  mask.update(pyramid, 24);
   for (int y = 0; y < kHeight; y += 20)
     for (int x = 0; x < kWidth; x += 20) EXPECT_GT(mask.distance(x, y), 0);
 }
@@ -78,7 +78,7 @@ TEST(HighlightMask, FindsWhatIsSaturatedHoweverBrightItsSurroundings) {
   });
   const ImagePyramid pyramid = pyramidOf(image);
   HighlightMask mask(pyramid, {});
-  mask.update(pyramid);
+  mask.update(pyramid, 24);
   EXPECT_EQ(mask.distance(300, 300), 0);
   EXPECT_GT(mask.distance(100, 100), 100);
 }
@@ -94,8 +94,8 @@ ImageBuffer roundView() {
 
 TEST(FieldOfView, IsTheRoundViewWithoutTextAndWithItsDarkMiddle) {
   const ImagePyramid pyramid = pyramidOf(roundView());
-  FieldOfView view(pyramid, 24);
-  view.update(pyramid);
+  FieldOfView view(pyramid);
+  view.update(pyramid, 24);
   EXPECT_EQ(view.distance(50, 30), 0);    // text
   EXPECT_EQ(view.distance(600, 400), 0);  // surroundings
   EXPECT_NEAR(view.distance(320, 240), 200, 18);
@@ -111,9 +111,9 @@ TEST(FieldOfView, IsTheWholePictureWhereNothingIsDarkAtItsBorder) {
   const ImagePyramid full = pyramidOf(testing::draw(kWidth, kHeight, [](double x, double y) {
     return std::hypot(x - 320, y - 240) < 60 ? 5 : dim(x, y);
   }));
-  FieldOfView view(round, 24);
-  view.update(round);
-  view.update(full);
+  FieldOfView view(round);
+  view.update(round, 24);
+  view.update(full, 24);
   EXPECT_GT(view.distance(3, 3), 100);
   EXPECT_EQ(view.bounds().right, kWidth);
 }
@@ -121,16 +121,16 @@ TEST(FieldOfView, IsTheWholePictureWhereNothingIsDarkAtItsBorder) {
 TEST(FieldOfView, IsEmptyInADarkPicture) {
   const ImagePyramid dark =
       pyramidOf(testing::draw(kWidth, kHeight, [](double, double) { return 5; }));
-  FieldOfView view(dark, 24);
-  view.update(dark);
+  FieldOfView view(dark);
+  view.update(dark, 24);
   EXPECT_EQ(view.distance(320, 240), 0);
   EXPECT_LE(view.bounds().right, view.bounds().left);
 }
 
 TEST(FieldOfView, ItsOutlineLiesInsideTheRoundViewAndCloseToItsEdge) {
   const ImagePyramid pyramid = pyramidOf(roundView());
-  FieldOfView view(pyramid, 24);
-  view.update(pyramid);
+  FieldOfView view(pyramid);
+  view.update(pyramid, 24);
   const ViewOutline outline = view.outline(pyramid);
   for (int band = 0; band < ViewOutline::bands; ++band) {
     const double y = std::floor((band + 0.5) * kHeight / ViewOutline::bands);
@@ -147,8 +147,8 @@ TEST(FieldOfView, ItsOutlineLiesInsideTheRoundViewAndCloseToItsEdge) {
 
 TEST(FieldOfView, WithoutSurroundingsTheOutlineIsThePicturesBorder) {
   const ImagePyramid full = pyramidOf(testing::draw(kWidth, kHeight, dim));
-  FieldOfView view(full, 24);
-  view.update(full);
+  FieldOfView view(full);
+  view.update(full, 24);
   EXPECT_EQ(view.outline(full), ViewOutline());
 }
 

@@ -7,7 +7,7 @@ namespace depthscope::slam {
 LocalPoint makeLocalPoint(const Map& map, PointId id) {
   const MapPoint& p = map.point(id);
   return {map.ref(id),    p.position,   p.normal.cast<float>(), p.min_distance,
-          p.max_distance, p.descriptor, p.observation_count,    false};
+          p.max_distance, p.descriptor, p.poseWeight(),         false};
 }
 
 LocalMap::LocalMap(const SlamSettings& settings)

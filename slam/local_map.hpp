@@ -13,7 +13,7 @@ struct LocalPoint {
   Eigen::Vector3f normal;  // mean viewing direction, from the cameras to the point
   float min_distance, max_distance;
   Descriptor descriptor;
-  std::int32_t observations;
+  float weight;  // MapPoint::poseWeight()
   bool tracked;  // the frame has it already
 };
 

@@ -44,11 +44,19 @@ struct MapPoint {
   // Mean of its squared reprojection errors over their variance, in the frames of late in which it
   // was recognised. On still tissue it is 0.8 (corners lie within 0.44 px, keypoint_sigma_px is
   // 0.7), give or take as much.
-  float residual = 0.8f;
+  // Of a new point it is taken to be what it is of a moving one, for that an instrument's points
+  // look still while it moves slowly: until a point has stayed put for a second those that have say
+  // more. With a textured instrument that moves over a quarter of the picture the path followed it
+  // before (of a sweep, a hovering scope: 16 and 52 mm off), now the tissue (0.7, 0.3).
+  float residual = 6;
   /// Weight in bundle adjustment, 0..1: less for what moves, breathes or is an instrument. Weights
   /// from 0.8 on instead of 1.6 made paths no better (hovering 0.127 mm instead of 0.098, 0.136
   /// without weights; a piece of it 0.143, 0.138 and 0.172).
   float trust() const { return residual > 1.6f ? 1.6f / residual : 1.f; }
+  /// Weight in the pose of a frame, relative to other points. Where there are many of what moves,
+  /// its variance (trust) alone lets them win; a steeper fall is that of robust costs that
+  /// redescend.
+  float poseWeight() const { return trust() * trust() * trust(); }
 };
 
 struct Keyframe {

@@ -12,7 +12,7 @@ struct PoseObservation {
   Eigen::Vector3d point_world = Eigen::Vector3d::Zero();
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  // undistorted [px]
   double inv_sigma2 = 1;  // [1/px^2], of the pyramid level it was found in
-  double weight = 1;      // 0..1, below 1 for points that are trusted less
+  double weight = 1;      // relative: less for points that are trusted less
   bool inlier = true;     // in: take part in the first round; out: verdict
 };
 

@@ -22,6 +22,7 @@ PoseTracker::PoseTracker(const CameraModel& camera, const SlamSettings& settings
   point_of_observation_.reserve(n);
   matches_.resize(n);
   position_.resize(n);
+  weight_.resize(n);
   wanted_.resize(n);
 }
 
@@ -44,6 +45,7 @@ int PoseTracker::matchLastFrame(const TrackedFrame& last, double radius_px, Trac
     const LocalPoint& p = last_points_[projected_[matches_[f]].source];
     frame.points[f] = p.ref;
     position_[f] = p.position;
+    weight_[f] = p.weight;
   }
   return matched;
 }
@@ -110,6 +112,7 @@ int PoseTracker::trackLocalMap(TrackedFrame& frame, double search_scale) {
     const LocalPoint& p = local_map_.points()[projected_[matches_[f]].source];
     frame.points[f] = p.ref;
     position_[f] = p.position;
+    weight_[f] = p.weight;
   }
   const int inliers = optimize(frame);
   countSightings(frame);
@@ -175,9 +178,12 @@ int PoseTracker::foundByChance(const TrackedFrame& frame) {
 }
 
 void PoseTracker::lookUpPositions(const TrackedFrame& frame) {
-  for (int f = 0; f < frame.features.size(); ++f)
-    if (const PointId p = map_.resolve(frame.points[f]); p != kNone)
-      position_[f] = map_.point(p).position;
+  for (int f = 0; f < frame.features.size(); ++f) {
+    const PointId p = map_.resolve(frame.points[f]);
+    if (p == kNone) continue;
+    position_[f] = map_.point(p).position;
+    weight_[f] = map_.point(p).poseWeight();
+  }
 }
 
 int PoseTracker::optimize(TrackedFrame& frame) {
@@ -187,10 +193,12 @@ int PoseTracker::optimize(TrackedFrame& frame) {
   for (int f = 0; f < frame.features.size(); ++f) {
     if (frame.points[f].id == kNone) continue;
     const Keypoint& k = frame.features.keypoints[f];
-    observations_.push_back({position_[f], {k.ux, k.uy}, 1 / (k.sigma * k.sigma), 1, true});
+    observations_.push_back(
+        {position_[f], {k.ux, k.uy}, 1 / (k.sigma * k.sigma), weight_[f], true});
     feature_of_observation_.push_back(f);
     point_of_observation_.push_back(frame.points[f]);
   }
+  shareWeights();
   const PoseOptimizerResult result = optimizePose(intrinsics_, observations_, frame.T_camera_world);
   if (!result.ok) return 0;
   // Two residuals a point, which the optimizer takes to be of unit variance.
@@ -203,6 +211,17 @@ int PoseTracker::optimize(TrackedFrame& frame) {
   return result.inliers;
 }
 
+/// Weights are relative: together the observations say as much as equal ones of their effective
+/// number would (Kish 1965), which is what the covariance of the pose rests on.
+void PoseTracker::shareWeights() {
+  double sum = 0, squares = 0;
+  for (const PoseObservation& o : observations_) {
+    sum += o.weight;
+    squares += o.weight * o.weight;
+  }
+  for (PoseObservation& o : observations_) o.weight *= sum / squares;
+}
+
 void PoseTracker::countSightings(const TrackedFrame& frame) {
   const std::lock_guard lock(map_.mutex);
   for (const PointRef& r : visible_)
@@ -213,7 +232,7 @@ void PoseTracker::countSightings(const TrackedFrame& frame) {
 
 /// Of inliers and outliers alike: what moves is mostly among the latter.
 void PoseTracker::rememberResiduals(const Pose& T_camera_world) {
-  constexpr double kForgotten = 1.0 / 32;  // of the past with each frame: a second or so is kept
+  constexpr double kForgotten = 1.0 / 16;      // of the past with each frame: half a second is kept
   constexpr double kMost = 4 * kChi2TwoDof95;  // farther off it was another point that looks alike
   const std::lock_guard lock(map_.mutex);
   for (std::size_t i = 0; i < observations_.size(); ++i) {

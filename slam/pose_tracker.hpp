@@ -67,6 +67,7 @@ class PoseTracker {
   void projectLocalMap(const Pose& T_camera_world, double search_scale, bool all = false);
   void lookUpPositions(const TrackedFrame& frame);
   int optimize(TrackedFrame& frame);
+  void shareWeights();
   void countSightings(const TrackedFrame& frame);
   void rememberResiduals(const Pose& T_camera_world);
 
@@ -84,6 +85,7 @@ class PoseTracker {
   std::vector<PointRef> point_of_observation_;
   std::vector<int> matches_;               // per feature
   std::vector<Eigen::Vector3d> position_;  // per feature, of its map point
+  std::vector<float> weight_;              // likewise
   std::vector<std::uint8_t> wanted_;       // per keyframe feature
 };
 

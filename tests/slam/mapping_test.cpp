@@ -127,6 +127,7 @@ TEST(LocalBundle, IsPulledLessByPointsThatMoved) {
     MappedWorld m(smallSettings(), world, poses);
     // In one picture a third of the points have moved to the right.
     Keyframe& moved = m.map.keyframe(m.keyframes[4]);
+    for (PointId p = 0; p < m.map.pointEnd(); ++p) m.map.point(p).residual = 0.8f;
     for (int f = 0; f < moved.features.size(); f += 3) {
       if (moved.points[f] == kNone) continue;
       moved.features.keypoints[f].ux += 2;

@@ -97,5 +97,43 @@ TEST(PoseTracker, PointsThatDoNotStandStillLoseTrust) {
   }
 }
 
+/// An instrument over a part of the picture, some of whose points were mapped while it lay still.
+TEST(PoseTracker, WhatIsKnownForLongHoldsThePoseWhereNewPointsMoveTogether) {
+  const auto off = [](float residual_of_known) {
+    const World world(300);
+    SeenWorld s(world);
+    s.look();
+    for (int f = 0; f < s.frame.features.size(); ++f) {
+      const PointId p = s.mapped.point_of[s.ids[f]];
+      if (p == kNone) continue;
+      Keypoint& k = s.frame.features.keypoints[f];
+      if (s.ids[f] % 5 < 2)
+        k.ux += 1.6f * k.sigma;  // no outlier by itself
+      else
+        s.mapped.map.point(p).residual = residual_of_known;
+    }
+    s.frame.features.grid.build(s.frame.features.keypoints);
+    EXPECT_GT(s.tracker.trackLocalMap(s.frame), 100);
+    return (s.frame.T_camera_world.t - s.poses[1].t).norm();
+  };
+  const double all_new = off(MapPoint().residual);
+  EXPECT_GT(all_new, 1e-3);
+  EXPECT_LT(off(0.8f), 0.1 * all_new);
+}
+
+TEST(PoseTracker, NewPointsAloneTellThePoseAsSurelyAsOldOnes) {
+  const auto covariance = [](float residual) {
+    const World world(300);
+    SeenWorld s(world);
+    s.look();
+    for (PointId p = 0; p < s.mapped.map.pointEnd(); ++p) s.mapped.map.point(p).residual = residual;
+    for (int f = 0; f < s.frame.features.size(); ++f)
+      s.frame.features.keypoints[f].ux += f % 2 == 0 ? 0.3f : -0.3f;
+    EXPECT_GT(s.tracker.trackLocalMap(s.frame), 100);
+    return s.frame.covariance.trace();
+  };
+  EXPECT_NEAR(covariance(6) / covariance(0.8f), 1, 1e-6);
+}
+
 }  // namespace
 }  // namespace depthscope::slam

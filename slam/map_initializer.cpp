@@ -42,9 +42,10 @@ bool MapInitializer::offer(const FeatureSet& features, std::int64_t frame, doubl
     setReference(features, frame, timestamp_s);
     return false;
   }
-  const int n =
-      matcher_.matchForInitialization(reference_, features, settings_.search_radius_px, matches_);
-  if (n < settings_.min_matches) {
+  // Noise drowns the finest corners first: where they find too few of each other, coarser ones may.
+  int finest = 0;
+  if (match(features, finest) < settings_.min_matches &&
+      match(features, finest = Matcher::kInitialLevels) < settings_.min_matches) {
     setReference(features, frame, timestamp_s);
     return false;
   }
@@ -59,8 +60,13 @@ bool MapInitializer::offer(const FeatureSet& features, std::int64_t frame, doubl
     first_.push_back({a.ux, a.uy});
     second_.push_back({b.ux, b.uy});
   }
-  if (!two_view_.reconstruct(first_, second_, result_)) return false;
+  if (!two_view_.reconstruct(first_, second_, result_, map.scaleOf(finest))) return false;
   return buildMap(features, frame, timestamp_s, map);
+}
+
+int MapInitializer::match(const FeatureSet& features, int finest) {
+  return matcher_.matchForInitialization(reference_, features, settings_.search_radius_px, matches_,
+                                         finest);
 }
 
 bool MapInitializer::buildMap(const FeatureSet& features, std::int64_t frame, double timestamp_s,

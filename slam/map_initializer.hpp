@@ -23,6 +23,7 @@ class MapInitializer {
 
  private:
   void setReference(const FeatureSet& features, std::int64_t frame, double timestamp_s);
+  int match(const FeatureSet& features, int finest);
   bool buildMap(const FeatureSet& features, std::int64_t frame, double timestamp_s, Map& map);
 
   InitializerSettings settings_;

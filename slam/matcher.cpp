@@ -38,16 +38,15 @@ Matcher::Matcher(const MatchingSettings& settings, int max_features) : settings_
 }
 
 int Matcher::matchForInitialization(const FeatureSet& first, const FeatureSet& second,
-                                    double radius_px, std::span<int> matches) {
-  constexpr int kFinestLevels = 3;  // coarser corners are too uncertain to start a map from
+                                    double radius_px, std::span<int> matches, int finest) {
   std::fill(matches.begin(), matches.end(), kNone);
   std::fill(reverse_.begin(), reverse_.end(), kNone);
   std::fill(best_distance_.begin(), best_distance_.end(), kFar);
   for (int i = 0; i < first.size(); ++i) {
     const Keypoint& k = first.keypoints[i];
-    if (k.octave >= kFinestLevels) continue;
+    if (k.octave < finest || k.octave >= finest + kInitialLevels) continue;
     const int n = second.grid.query(k.ux, k.uy, static_cast<float>(radius_px),
-                                    std::max(0, k.octave - 1), k.octave + 1, candidates_);
+                                    std::max(finest, k.octave - 1), k.octave + 1, candidates_);
     BestTwo best;
     for (int c = 0; c < n; ++c) {
       const int j = static_cast<int>(candidates_[c]);

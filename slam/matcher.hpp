@@ -28,11 +28,13 @@ class Matcher {
  public:
   Matcher(const MatchingSettings& settings, int max_features);
 
-  /// Matches features of `first` (fine levels) with those of `second` within `radius` of the same
-  /// place, mutually best, ratio-tested, orientation-consistent. `matches[i]`: index into second,
-  /// or kNone. Returns their number.
+  /// Pyramid levels that a map is started from, together: the corners of the next are less certain.
+  static constexpr int kInitialLevels = 3;
+  /// Matches features of `first`, of `kInitialLevels` levels from `finest` on, with those of
+  /// `second` within `radius` of the same place, mutually best, ratio-tested,
+  /// orientation-consistent. `matches[i]`: index into second, or kNone. Returns their number.
   int matchForInitialization(const FeatureSet& first, const FeatureSet& second, double radius_px,
-                             std::span<int> matches);
+                             std::span<int> matches, int finest = 0);
 
   /// Gives each projected point the feature nearest in descriptor within its window; a feature that
   /// two points want goes to the nearer descriptor. `matches[f]`: in, kTaken or kNone; out, index

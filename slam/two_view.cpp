@@ -45,8 +45,9 @@ TwoViewInitializer::TwoViewInitializer(const TwoViewSettings& settings, const In
 }
 
 bool TwoViewInitializer::reconstruct(std::span<const Eigen::Vector2f> first,
-                                     std::span<const Eigen::Vector2f> second,
-                                     TwoViewResult& result) {
+                                     std::span<const Eigen::Vector2f> second, TwoViewResult& result,
+                                     double coarseness) {
+  sigma_px_ = settings_.sigma_px * coarseness;
   matches_.load(first, second);
   result.points.assign(first.size(), Eigen::Vector3d::Zero());
   result.triangulated.assign(first.size(), 0);
@@ -62,8 +63,7 @@ TwoViewResult::Refusal TwoViewInitializer::attempt(TwoViewResult& result) {
   if (n < std::max(kMinMatches, settings_.min_inliers)) return Refusal::TooFewMatches;
 
   // The cheap test first: it is the answer for as long as the camera stands still.
-  const int rotation_inliers =
-      countRotationInliers(matches_, settings_.sigma_px, kRotationIterations);
+  const int rotation_inliers = countRotationInliers(matches_, sigma_px_, kRotationIterations);
   if (rotation_inliers > settings_.max_rotation_share * n) return Refusal::RotationOnly;
 
   std::span<Hypothesis> contenders;
@@ -82,7 +82,7 @@ TwoViewResult::Refusal TwoViewInitializer::attempt(TwoViewResult& result) {
 TwoViewResult::Refusal TwoViewInitializer::proposeMotions(TwoViewResult& result,
                                                           std::span<Hypothesis>& contenders) {
   TwoViewModel homography, essential;
-  finder_.find(matches_, settings_.sigma_px, settings_.ransac_iterations, homography, essential);
+  finder_.find(matches_, sigma_px_, settings_.ransac_iterations, homography, essential);
   const double scores = homography.score + essential.score;
   if (!(scores > 0)) return Refusal::TooFewInliers;
   result.homography_score = homography.score / scores;
@@ -144,7 +144,7 @@ bool TwoViewInitializer::triangulateMatch(const Pose& T_second_first, int match,
                                           Eigen::Vector3d& point, double* chi2) const {
   if (!triangulate(Pose{}, matches_.first[match], T_second_first, matches_.second[match], point))
     return false;
-  const double inv_sigma2 = 1 / (settings_.sigma_px * settings_.sigma_px);
+  const double inv_sigma2 = 1 / (sigma_px_ * sigma_px_);
   const double first = (camera_.project(point) - matches_.first_px[match]).squaredNorm();
   const double second =
       (camera_.project(T_second_first * point) - matches_.second_px[match]).squaredNorm();
@@ -160,7 +160,7 @@ double TwoViewInitializer::refineMotion(Pose& T_second_first) {
   for (int round = 0; round < kRefinementRounds; ++round) {
     for (int i = 0; i < matches_.size(); ++i)
       selected_[i] = triangulateMatch(T_second_first, i, point);
-    direction_sigma_rad = refineEpipolarGeometry(matches_, selected_, settings_.sigma_px,
+    direction_sigma_rad = refineEpipolarGeometry(matches_, selected_, sigma_px_,
                                                  kRefinementIterations, T_second_first);
   }
   return direction_sigma_rad;
@@ -171,7 +171,7 @@ void TwoViewInitializer::adjustBundle(Pose& T_second_first) {
   adjuster_.clear();
   adjuster_.addPose(Pose{}, true);
   adjuster_.addPose(T_second_first, false);
-  const float inv_sigma2 = static_cast<float>(1 / (settings_.sigma_px * settings_.sigma_px));
+  const float inv_sigma2 = static_cast<float>(1 / (sigma_px_ * sigma_px_));
   for (int i = 0; i < matches_.size(); ++i) {
     Eigen::Vector3d point;
     if (!triangulateMatch(T_second_first, i, point)) continue;
@@ -208,8 +208,7 @@ TwoViewResult::Refusal TwoViewInitializer::acceptPoints(const Pose& T_second_fir
     if (!triangulateMatch(T_second_first, i, point)) continue;
     const double cosine = parallaxCosine(point, Eigen::Vector3d::Zero(), second_centre);
     const double parallax_rad = std::acos(std::clamp(cosine, -1.0, 1.0));
-    const double depth_sigma =
-        std::numbers::sqrt2 * settings_.sigma_px / (camera_.fx * parallax_rad);
+    const double depth_sigma = std::numbers::sqrt2 * sigma_px_ / (camera_.fx * parallax_rad);
     result.triangulated[i] = depth_sigma <= settings_.max_point_depth_sigma;
     result.inliers += result.triangulated[i];
     reliable += depth_sigma <= settings_.max_depth_sigma;

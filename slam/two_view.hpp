@@ -63,9 +63,10 @@ class TwoViewInitializer {
   TwoViewInitializer(const TwoViewSettings& settings, const Intrinsics& camera, int max_matches);
 
   /// first[i] and second[i]: undistorted pixels of match i. Matches beyond max_matches are ignored.
-  /// True if `result` holds a reconstruction; else its `refusal` says why not.
+  /// True if `result` holds a reconstruction; else its `refusal` says why not. Places are uncertain
+  /// by the settings' sigma_px times `coarseness`.
   bool reconstruct(std::span<const Eigen::Vector2f> first, std::span<const Eigen::Vector2f> second,
-                   TwoViewResult& result);
+                   TwoViewResult& result, double coarseness = 1);
 
  private:
   using Refusal = TwoViewResult::Refusal;
@@ -87,6 +88,7 @@ class TwoViewInitializer {
   double truncatedCost(const Pose& T_second_first) const;
 
   TwoViewSettings settings_;
+  double sigma_px_ = 1;  // of the matches at hand
   Intrinsics camera_;
   TwoViewMatches matches_;
   BundleAdjuster adjuster_;

@@ -80,6 +80,20 @@ TEST_F(MatcherTest, MatchesTwoViewsForInitialization) {
   }
 }
 
+TEST_F(MatcherTest, StartsFromTheLevelsItIsTold) {
+  for (int i = 0; i < features_.size(); ++i) features_.keypoints[i].octave = i % 8;
+  features_.grid.build(features_.keypoints);
+  Matcher matcher(settings_, 400);
+  for (const int finest : {0, Matcher::kInitialLevels}) {
+    EXPECT_GT(matcher.matchForInitialization(features_, features_, 100, matches_, finest), 100);
+    for (int i = 0; i < features_.size(); ++i)
+      if (matches_[i] != kNone) {
+        EXPECT_GE(i % 8, finest);
+        EXPECT_LT(i % 8, finest + Matcher::kInitialLevels);
+      }
+  }
+}
+
 TEST_F(MatcherTest, DropsMatchesThatTurnAgainstTheRest) {
   FeatureSet other = features_;
   for (int i = 0; i < 20; ++i) other.keypoints[i].angle = 2.f;

@@ -51,6 +51,19 @@ TEST(TwoView, reconstructsAGeneralScene) {
   EXPECT_GT(r.median_parallax_deg, 3);
 }
 
+/// As from coarse levels of the pyramid.
+TEST(TwoView, takesPlacesForAsUncertainAsItIsTold) {
+  const auto points = volumePoints(kMatches, 1, 3, 7);
+  const Pose truth = cameraAt({0.9, 0.1, 0.05}, {0.02, -0.05, 0.03});
+  const Matches m = project(points, truth, 2, 0, 2);
+  TwoViewResult fine, coarse;
+  initializer().reconstruct(m.first, m.second, fine);
+  ASSERT_TRUE(initializer().reconstruct(m.first, m.second, coarse, 2))
+      << static_cast<int>(coarse.refusal);
+  EXPECT_GT(coarse.inliers, std::max(fine.inliers, kMatches * 3 / 4));
+  expectMotion(coarse, truth, 1, 5);
+}
+
 TEST(TwoView, reconstructsAPlanarScene) {
   const auto points = planePoints(kMatches, 1, kTilted, 5);
   const Pose truth = cameraAt({0.5, 0.1, 0.05}, {0.02, -0.05, 0.03});

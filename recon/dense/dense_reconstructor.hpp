@@ -33,10 +33,10 @@ class DenseReconstructor {
 
   ReconStatus makeDepthMaps(const CloudIndex& index, const std::stop_token& stop);
   std::array<bool, kAtOnce> estimateDepths(const CloudIndex& index,
-                                           const std::vector<std::size_t>& views,
+                                           const std::vector<std::size_t>& views, float max_error,
                                            const std::stop_token& stop);
   bool estimateDepth(const CloudIndex& index, std::size_t view, DepthEstimator& estimator,
-                     DepthMap& out, const std::stop_token& stop) const;
+                     float max_error, DepthMap& out, const std::stop_token& stop) const;
   std::vector<FusedView> placeDepthMaps(const CloudIndex& index) const;
   ReconStatus fuse(const std::vector<FusedView>& views, float voxel_size,
                    const std::stop_token& stop);

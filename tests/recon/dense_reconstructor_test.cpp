@@ -62,6 +62,13 @@ TEST(DenseReconstructor, LeavesAHoleWhereThereIsNoTexture) {
   for (const auto& v : mesh.vertices) EXPECT_GT(v.head<2>().norm(), 0.35f) << v.transpose();
 }
 
+/// Closer than views of a large map may be that get a depth map: 0.025 of the depth.
+TEST(DenseReconstructor, FindsAHillAtTheStartOfAMapInViewsThatLieClose) {
+  const SurfaceMesh mesh = reconstructed(renderViews(hill, 4, nullptr, 0.1));
+  EXPECT_GT(area(mesh), 5);
+  EXPECT_LT(error(mesh, hill), 0.04);  // 1 % of the distance
+}
+
 TEST(DenseReconstructor, GivesTheSameBitsTwice) {
   const RenderedViews scene = renderViews(hill, 6);
   const SurfaceMesh a = reconstructed(scene), b = reconstructed(scene);
@@ -145,7 +152,7 @@ TEST(DenseReconstructor, GoesOnWhenPicturesAndDepthMapsAreFull) {
     (void)reconstructor.reconstruct(cloud, kTriangles, mesh, {});
   }
   EXPECT_EQ(reconstructor.reconstruct(cloud, kTriangles, mesh, {}), ReconStatus::Ok);
-  EXPECT_LT(error(mesh, hill), 0.02);
+  EXPECT_LT(error(mesh, hill), 0.04);  // 1 % of the distance
 }
 
 TEST(DenseReconstructor, MakesVoxelsLargerWhereTheSurfaceWouldNotFit) {

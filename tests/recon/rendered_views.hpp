@@ -29,10 +29,10 @@ inline float texture(float x, float y) {
          b * ((1 - a) * lattice(i, j + 1) + a * lattice(i + 1, j + 1));
 }
 
-/// `count` keyframes that look from z = 4 down on the surface `height`, in a row 0.3 apart. Where
+/// `count` keyframes that look from z = 4 down on the surface `height`, in a row `apart`. Where
 /// `blank` says so the surface has no texture.
 inline RenderedViews renderViews(Height height, int count,
-                                 bool (*blank)(float x, float y) = nullptr) {
+                                 bool (*blank)(float x, float y) = nullptr, double apart = 0.3) {
   RenderedViews out;
   CameraModel& c = out.camera;
   c.width = 320;
@@ -42,7 +42,7 @@ inline RenderedViews renderViews(Height height, int count,
   c.cy = 119.5;
   out.cloud = heightCloud(height, 40, 0);
   for (int k = 0; k < count; ++k) {
-    const Eigen::Vector3d centre(0.3 * (k - (count - 1) / 2.0), 0.05 * (k % 2), 4);
+    const Eigen::Vector3d centre(apart * (k - (count - 1) / 2.0), 0.05 * (k % 2), 4);
     Pose T_camera_world;
     T_camera_world.R = Eigen::Vector3d(1, -1, -1).asDiagonal();  // looks along -z
     T_camera_world.t = -(T_camera_world.R * centre);

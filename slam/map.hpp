@@ -44,10 +44,10 @@ struct MapPoint {
   // Mean of its squared reprojection errors over their variance, in the frames of late in which it
   // was recognised. On still tissue it is 0.8 (corners lie within 0.44 px, keypoint_sigma_px is
   // 0.7), give or take as much.
-  // Of a new point it is taken to be what it is of a moving one, for that an instrument's points
-  // look still while it moves slowly: until a point has stayed put for a second those that have say
-  // more. With a textured instrument that moves over a quarter of the picture the path followed it
-  // before (of a sweep, a hovering scope: 16 and 52 mm off), now the tissue (0.7, 0.3).
+  // A new point starts with what a moving one has, for an instrument that moves slowly looks still:
+  // until a point has stayed put for half a second, those that have count for more. With a textured
+  // instrument that moves over a quarter of the picture the path went with it before (of a sweep, a
+  // hovering scope: 16 and 52 mm off), now it is the tissue's (0.7, 0.2).
   float residual = 6;
   /// Weight in bundle adjustment, 0..1: less for what moves, breathes or is an instrument. Weights
   /// from 0.8 on instead of 1.6 made paths no better (hovering 0.127 mm instead of 0.098, 0.136

@@ -3,7 +3,6 @@
 // clip.
 #include <cstdio>
 #include <cstring>
-#include <string>
 #include <vector>
 
 #include "bench/luma_reader.hpp"
@@ -11,15 +10,10 @@
 #include "platform/camera_file.hpp"
 #include "platform/evaluate/trajectory_error.hpp"
 #include "slam/slam_system.hpp"
-#include "types/error.hpp"
 
 namespace {
 
 using namespace depthscope;
-
-platform::StampedPose stamped(double timestamp_s, const Pose& T_world_camera) {
-  return {timestamp_s, T_world_camera.t, T_world_camera.quaternion()};
-}
 
 void track(const char* clip, const CameraModel& camera,
            const std::vector<platform::StampedPose>& truth, const bench::PictureFault& fault) {
@@ -28,7 +22,7 @@ void track(const char* clip, const CameraModel& camera,
   settings.trajectory_frames = 100000;
   slam::SlamSystem slam(camera, settings, slam::MappingMode::Lockstep);
   std::mt19937 random(1);
-  std::vector<platform::StampedPose> live, corrected;
+  std::vector<platform::StampedPose> path;
   GrayView view;
   for (int frame = 0; !(view = reader.next()).empty(); ++frame) {
     cv::Mat picture(view.height, view.width, CV_8U);
@@ -36,17 +30,14 @@ void track(const char* clip, const CameraModel& camera,
       std::memcpy(picture.ptr(y), view.row(y), static_cast<std::size_t>(view.width));
     fault.apply(picture, frame, random);
     const double time_s = frame / (camera.fps > 0 ? camera.fps : 30);
-    const PoseEstimate pose =
-        slam.track({picture.data, view.width, view.height, view.width}, frame, time_s);
-    if (pose.state == TrackingState::Tracking)
-      live.push_back(stamped(time_s, pose.T_camera_world.inverse()));
+    slam.track({picture.data, view.width, view.height, view.width}, frame, time_s);
   }
   for (const slam::StampedPose& p : slam.correctedTrajectory())
-    corrected.push_back(stamped(p.timestamp_s, p.T_world_camera));
-  const platform::TrajectoryError final = platform::compareTrajectories(truth, corrected);
-  std::printf("%-16s tracked %5.1f %%  lost %d  maps %d  ATE %.3g, live %.3g\n", fault.name,
-              final.tracked_percent, slam.statistics().lost_events, slam.statistics().maps,
-              final.ate_rmse, platform::compareTrajectories(truth, live).ate_rmse);
+    path.push_back({p.timestamp_s, p.T_world_camera.t, p.T_world_camera.quaternion()});
+  const platform::TrajectoryError error = platform::compareTrajectories(truth, path);
+  std::printf("%-16s tracked %5.1f %%  lost %d  maps %d  ATE %.3g\n", fault.name,
+              error.tracked_percent, slam.statistics().lost_events, slam.statistics().maps,
+              error.ate_rmse);
   std::fflush(stdout);
 }
 

@@ -83,7 +83,7 @@ int PoseTracker::trackKeyframe(KeyframeId keyframe, TrackedFrame& frame) {
     std::fill(frame.points.begin(), frame.points.end(), PointRef{});
     for (int f = 0; f < k.features.size(); ++f)
       if (matches_[f] >= 0) frame.points[matches_[f]] = map_.ref(k.points[f]);
-    lookUpPositions(frame);
+    lookUpPoints(frame);
   }
   return optimize(frame);
 }
@@ -91,7 +91,7 @@ int PoseTracker::trackKeyframe(KeyframeId keyframe, TrackedFrame& frame) {
 int PoseTracker::trackOwnPoints(TrackedFrame& frame) {
   {
     const std::lock_guard lock(map_.mutex);
-    lookUpPositions(frame);
+    lookUpPoints(frame);
   }
   return optimize(frame);
 }
@@ -100,7 +100,7 @@ int PoseTracker::trackLocalMap(TrackedFrame& frame, double search_scale) {
   {
     const std::lock_guard lock(map_.mutex);
     local_map_.collect(map_, frame.points);
-    lookUpPositions(frame);
+    lookUpPoints(frame);
   }
   projectLocalMap(frame.T_camera_world, search_scale);
   for (int f = 0; f < frame.features.size(); ++f)
@@ -177,7 +177,7 @@ int PoseTracker::foundByChance(const TrackedFrame& frame) {
   return found / static_cast<int>(places.size());
 }
 
-void PoseTracker::lookUpPositions(const TrackedFrame& frame) {
+void PoseTracker::lookUpPoints(const TrackedFrame& frame) {
   for (int f = 0; f < frame.features.size(); ++f) {
     const PointId p = map_.resolve(frame.points[f]);
     if (p == kNone) continue;

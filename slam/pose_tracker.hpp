@@ -65,7 +65,7 @@ class PoseTracker {
   void projectLastFrame(const TrackedFrame& last, double radius_px, const Pose& T_camera_world);
   /// `all`: those, too, that the frame has already.
   void projectLocalMap(const Pose& T_camera_world, double search_scale, bool all = false);
-  void lookUpPositions(const TrackedFrame& frame);
+  void lookUpPoints(const TrackedFrame& frame);
   int optimize(TrackedFrame& frame);
   void shareWeights();
   void countSightings(const TrackedFrame& frame);

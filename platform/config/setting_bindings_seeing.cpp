@@ -11,7 +11,7 @@ void bindDense(SettingBinder& b, recon::DenseSettings& s) {
   b.number("picture_width", s.picture_width, 80, 640,
            "[px] of the undistorted view that they are matched in, at most");
   b.number("dark_threshold", s.dark_threshold, 0, 255,
-           "[grey levels], in dim pictures less: at or below, joined to the border: no tissue");
+           "[grey levels] at or below (in dim pictures less), joined to the border: no tissue");
   b.number("specular_threshold", s.specular_threshold, 1, 256,
            "[grey levels] at or above: a highlight");
   b.number("specular_contrast", s.specular_contrast, 1, 100,
@@ -63,7 +63,7 @@ void bindSlam(SettingBinder& b, slam::SlamSettings& s) {
   b.number("specular_contrast", s.extractor.specular_contrast, 1, 10,
            "times the brightness of the tissue around: a highlight");
   b.number("dark_threshold", s.extractor.dark_threshold, -1, 254,
-           "[grey levels], in dim pictures less: at or below: outside the round field of view");
+           "[grey levels] at or below (in dim pictures less): outside the round field of view");
 
   b.section("slam.capacity");
   b.number("keyframes", s.capacity.keyframes, 16, 4096, "keyframes the map has room for");

@@ -15,8 +15,7 @@ struct DenseSettings {
   // view of 340 drawn from 640 was off by 0.83 mm instead of 0.93. From 340 to 400 and 480 a sweep
   // was complete to 75, 80 and 82 %.
   int picture_width = 480;
-  int dark_threshold =
-      24;  // [grey levels], in dim pictures less: at or below, joined to the border: no tissue
+  int dark_threshold = 24;          // [grey levels] at or below, in dim pictures less: surroundings
   int specular_threshold = 230;     // [grey levels] at or above: saturated
   double specular_contrast = 1.35;  // times the brightness around: a highlight
 

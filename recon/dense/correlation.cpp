@@ -105,8 +105,8 @@ void Correlator::setReference(const Grid<std::uint8_t>& reference, const Grid<st
   for (auto* v : {&luma_, &squares_, &products_})
     v->resize(static_cast<std::size_t>(width + 2 * radius_));
   nothing_.assign(static_cast<std::size_t>(width), 0);
-  sum_.reset(width, reference.height);
-  inverse_deviation_.reset(width, reference.height);
+  sum_.resize(width, reference.height);
+  inverse_deviation_.resize(width, reference.height);
   const int n = (2 * radius_ + 1) * (2 * radius_ + 1);
   noise_ = noise * noise * static_cast<float>(n * n);
   for (int y = 0; y < reference.height; ++y) {
@@ -127,9 +127,7 @@ void Correlator::setReference(const Grid<std::uint8_t>& reference, const Grid<st
 void Correlator::cost(const Grid<std::uint8_t>& warped, const Grid<std::uint8_t>& usable,
                       Grid<std::uint8_t>& out) {
   const int width = reference_.width, height = reference_.height;
-  out.width = width;
-  out.height = height;
-  out.cells.resize(reference_.size());
+  out.resize(width, height);
   for (int y = 0; y < height; ++y) {
     columnSums(warped, y);
     rowCosts(radius_, width, luma_.data(), squares_.data(), products_.data(),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "types/vector_clones.hpp"
 
@@ -16,8 +17,8 @@ struct RowInOther {
   int width, height;
 };
 
-/// Where in the other picture the row's points lie, -1 where outside or unknown, and the inverse
-/// depths they would have there.
+/// Where in the other picture the row's points lie, and the inverse depths they would have there,
+/// which are NaN where that is outside or unknown.
 DEPTHSCOPE_CLONES
 void placeRow(const RowInOther& row, float scale, const float* __restrict inverse_depth,
               std::int32_t* __restrict place, float* __restrict expected) {
@@ -38,8 +39,24 @@ void placeRow(const RowInOther& row, float scale, const float* __restrict invers
     const bool inside = static_cast<int>(q > 0) & static_cast<int>(pz > 0) &
                         static_cast<int>(u >= 0) & static_cast<int>(v >= 0) &
                         static_cast<int>(column < width) & static_cast<int>(line < height);
-    place[x] = inside ? line * width + column : -1;
-    expected[x] = q / pz;
+    place[x] = inside ? line * width + column : 0;
+    expected[x] = inside ? q / pz : std::numeric_limits<float>::quiet_NaN();
+  }
+}
+
+/// Adds to each vote 1 where the other depth map agrees with what is expected there and -1 where it
+/// sees past. Inverse depths of 0, unknown, and of NaN do neither.
+DEPTHSCOPE_CLONES
+void voteRow(int width, const float* __restrict other, float scale, float tolerance,
+             const std::int32_t* __restrict place, const float* __restrict expected,
+             float* __restrict seen, std::int8_t* __restrict votes) {
+  for (int x = 0; x < width; ++x) seen[x] = other[place[x]] * scale;
+  for (int x = 0; x < width; ++x) {
+    const float difference = seen[x] - expected[x];
+    const int known = seen[x] > 0 ? 1 : 0;
+    const int agrees = std::abs(difference) < tolerance ? 1 : 0;
+    const int past = difference <= -tolerance ? 1 : 0;
+    votes[x] = static_cast<std::int8_t>(votes[x] + known * (agrees - past));
   }
 }
 
@@ -53,7 +70,7 @@ void vote(const FusedView& view, const FusedView& other, const PinholeLevel& lev
                                                   other.map->precision * other.inverse_scale);
   const Eigen::Vector3f step = R.col(0) / level.f;
   std::vector<std::int32_t> place(static_cast<std::size_t>(level.width));
-  std::vector<float> expected(place.size());
+  std::vector<float> expected(place.size()), seen(place.size());
   for (int y = 0; y < level.height; ++y) {
     const float fy = (static_cast<float>(y) - level.cy) / level.f;
     const RowInOther row{R.col(1) * fy + R.col(2) - level.cx * step,
@@ -66,17 +83,8 @@ void vote(const FusedView& view, const FusedView& other, const PinholeLevel& lev
                          level.height};
     placeRow(row, view.inverse_scale, view.map->inverse_depth.row(y), place.data(),
              expected.data());
-    for (std::size_t x = 0; x < place.size(); ++x) {
-      if (place[x] < 0) continue;
-      const float seen =
-          other.map->inverse_depth.cells[static_cast<std::size_t>(place[x])] * other.inverse_scale;
-      if (!(seen > 0)) continue;
-      std::int8_t& count = votes.at(static_cast<int>(x), y);
-      if (std::abs(seen - expected[x]) < tolerance)
-        ++count;
-      else if (seen < expected[x])
-        --count;
-    }
+    voteRow(level.width, other.map->inverse_depth.cells.data(), other.inverse_scale, tolerance,
+            place.data(), expected.data(), seen.data(), votes.row(y));
   }
 }
 

@@ -63,6 +63,53 @@ void smooth(const Grid<float>& in, Grid<float>& out) {
     medianRow(in.width, in.row(y - 1), in.row(y), in.row(y + 1), out.row(y));
 }
 
+/// Fraction of a hypothesis from one to the least of the parabola through its total cost and its
+/// neighbours'.
+[[gnu::always_inline]] inline float offsetOfLeast(int before, int here, int after) {
+  const int curvature = before - 2 * here + after;
+  const float offset =
+      static_cast<float>(before - after) / static_cast<float>(2 * (curvature > 0 ? curvature : 1));
+  return curvature > 0 ? offset : 0;
+}
+
+void choose(std::size_t n, const CostVolume& volume, const std::vector<std::uint16_t>& totals,
+            Grid<float>& inverse_depth, Grid<std::uint8_t>& cost) {
+  const int hypotheses = volume.hypotheses;
+  const float middle = static_cast<float>(hypotheses - 1) / 2;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t first = i * static_cast<std::size_t>(hypotheses);
+    const std::uint16_t* total = totals.data() + first;
+    const auto best = static_cast<int>(std::min_element(total, total + hypotheses) - total);
+    auto k = static_cast<float>(best);
+    if (best > 0 && best < hypotheses - 1)
+      k += offsetOfLeast(total[best - 1], total[best], total[best + 1]);
+    inverse_depth.cells[i] = volume.centre.cells[i] + (k - middle) * volume.step;
+    cost.cells[i] = volume.cost[first + static_cast<std::size_t>(best)];
+  }
+}
+
+/// The same of four hypotheses, for vectors.
+DEPTHSCOPE_CLONES
+void chooseOfFour(std::size_t n, const std::uint16_t* __restrict totals,
+                  const std::uint8_t* __restrict costs, const float* __restrict centre, float step,
+                  float* __restrict inverse_depth, std::uint8_t* __restrict cost) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const int a = totals[4 * i], b = totals[4 * i + 1], c = totals[4 * i + 2],
+              d = totals[4 * i + 3];
+    const bool b_first = b < a, d_first = d < c;
+    const int left = b_first ? b : a, right = d_first ? d : c;
+    const bool second = right < left;
+    const int best = second ? (d_first ? 3 : 2) : (b_first ? 1 : 0);
+    const float offset = second ? offsetOfLeast(b, c, d) : offsetOfLeast(a, b, c);
+    const float k = static_cast<float>(best) + (best == 1 || best == 2 ? offset : 0.f);
+    inverse_depth[i] = centre[i] + (k - 1.5f) * step;
+    const int first = costs[4 * i], third = costs[4 * i + 2];
+    const int in_left = b_first ? costs[4 * i + 1] : first;
+    const int in_right = d_first ? costs[4 * i + 3] : third;
+    cost[i] = static_cast<std::uint8_t>(second ? in_right : in_left);
+  }
+}
+
 }  // namespace
 
 bool DepthEstimator::estimate(const RectifiedPicture& reference,
@@ -129,24 +176,14 @@ void DepthEstimator::favourSeeds(const std::vector<DepthSeed>& seeds) {
 
 /// The hypothesis of least total cost, refined by a parabola through it and its neighbours.
 void DepthEstimator::chooseDepths() {
-  const int hypotheses = volume_.hypotheses;
-  const float middle = static_cast<float>(hypotheses - 1) / 2;
-  inverse_depth_.reset(volume_.width, volume_.height);
-  cost_.reset(volume_.width, volume_.height);
-  for (std::size_t i = 0; i < inverse_depth_.size(); ++i) {
-    const std::size_t first = i * static_cast<std::size_t>(hypotheses);
-    const std::uint16_t* total = total_.data() + first;
-    const auto best = static_cast<int>(std::min_element(total, total + hypotheses) - total);
-    auto k = static_cast<float>(best);
-    if (best > 0 && best < hypotheses - 1) {
-      const int before = total[best - 1], here = total[best], after = total[best + 1];
-      const int curvature = before - 2 * here + after;
-      if (curvature > 0)
-        k += static_cast<float>(before - after) / static_cast<float>(2 * curvature);
-    }
-    inverse_depth_.cells[i] = volume_.centre.cells[i] + (k - middle) * volume_.step;
-    cost_.cells[i] = volume_.cost[first + static_cast<std::size_t>(best)];
-  }
+  inverse_depth_.resize(volume_.width, volume_.height);
+  cost_.resize(volume_.width, volume_.height);
+  const std::size_t n = inverse_depth_.size();
+  if (volume_.hypotheses == kFineHypotheses)
+    chooseOfFour(n, total_.data(), volume_.cost.data(), volume_.centre.cells.data(), volume_.step,
+                 inverse_depth_.cells.data(), cost_.cells.data());
+  else
+    choose(n, volume_, total_, inverse_depth_, cost_);
 }
 
 /// The depths found become the centres of the hypotheses of the next finer level.
@@ -155,7 +192,7 @@ void DepthEstimator::refineCentre(int finer_level, float step) {
   const PinholeLevel& finer = view_.level(finer_level);
   volume_.hypotheses = kFineHypotheses;
   volume_.step = step;
-  volume_.centre.reset(finer.width, finer.height);
+  volume_.centre.resize(finer.width, finer.height);
   for (int y = 0; y < finer.height; ++y)
     for (int x = 0; x < finer.width; ++x) {
       // Pixel x of the finer level lies a quarter off the middle of pixel x / 2 of the coarser.

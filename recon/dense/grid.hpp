@@ -19,6 +19,12 @@ struct Grid {
     height = h;
     cells.assign(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value);
   }
+  /// Another size, values undefined; storage is reused.
+  void resize(int w, int h) {
+    width = w;
+    height = h;
+    cells.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+  }
   std::size_t size() const { return cells.size(); }
   T* row(int y) { return cells.data() + static_cast<std::ptrdiff_t>(y) * width; }
   const T* row(int y) const { return cells.data() + static_cast<std::ptrdiff_t>(y) * width; }

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "types/vector_clones.hpp"
 
@@ -38,19 +39,24 @@ Warp warpOf(const Pose& T_source_reference, const PinholeLevel& level) {
 }
 
 /// Packs each pixel with its right, lower and lower right neighbour, so that one access gets all.
+/// What may not be used is 0 itself.
 DEPTHSCOPE_CLONES
 void packRow(int width, const std::uint8_t* __restrict upper, const std::uint8_t* __restrict lower,
-             std::uint32_t* __restrict to) {
-  for (int x = 0; x + 1 < width; ++x)
-    to[x] = static_cast<std::uint32_t>(upper[x]) | static_cast<std::uint32_t>(upper[x + 1]) << 8 |
+             const std::uint8_t* __restrict usable, std::uint32_t* __restrict to) {
+  for (int x = 0; x + 1 < width; ++x) {
+    const std::uint8_t luma = upper[x] > 0 ? upper[x] : std::uint8_t{1};
+    to[x] = static_cast<std::uint32_t>(usable[x] != 0 ? luma : std::uint8_t{0}) |
+            static_cast<std::uint32_t>(upper[x + 1]) << 8 |
             static_cast<std::uint32_t>(lower[x]) << 16 |
             static_cast<std::uint32_t>(lower[x + 1]) << 24;
+  }
 }
 
-void pack(const Grid<std::uint8_t>& luma, Grid<std::uint32_t>& out) {
-  out.reset(luma.width, luma.height);
+void pack(const RectifiedLevel& picture, Grid<std::uint32_t>& out) {
+  const Grid<std::uint8_t>& luma = picture.luma;
+  out.resize(luma.width, luma.height);
   for (int y = 0; y + 1 < luma.height; ++y)
-    packRow(luma.width, luma.row(y), luma.row(y + 1), out.row(y));
+    packRow(luma.width, luma.row(y), luma.row(y + 1), picture.usable.row(y), out.row(y));
 }
 
 /// Where one row of the reference lies in a source, and whether that is inside. Windows at the
@@ -72,9 +78,9 @@ void placeRow(const RowWarp& w, const float* __restrict centre, float offset,
   const int width = w.width;
   for (int x = 0; x < width; ++x) {
     const float q = atLeast(0, centre[x] + offset), fx = static_cast<float>(x);
-    const float z = atLeast(kMinDepthRatio, z0 + dz * fx + q * ez);
-    const float u = (u0 + du * fx + q * eu) / z;
-    const float v = (v0 + dv * fx + q * ev) / z;
+    const float per_z = 1 / atLeast(kMinDepthRatio, z0 + dz * fx + q * ez);
+    const float u = (u0 + du * fx + q * eu) * per_z;
+    const float v = (v0 + dv * fx + q * ev) * per_z;
     const float inside_u = atMost(right, atLeast(0, u));
     const float inside_v = atMost(bottom, atLeast(0, v));
     const int fixed_u = static_cast<int>(inside_u * kOne + 0.5f);
@@ -96,6 +102,34 @@ void keepTwoBest(std::size_t n, const std::uint8_t* __restrict cost, std::uint8_
   }
 }
 
+/// The mean of the two best costs.
+DEPTHSCOPE_CLONES
+void meanOfTwo(std::size_t n, const std::uint8_t* __restrict best,
+               const std::uint8_t* __restrict second, std::uint8_t* __restrict to) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const int lonely = best[i] + kLonelyCost;
+    const int next = second[i] < lonely ? second[i] : lonely;
+    to[i] = static_cast<std::uint8_t>((best[i] + next + 1) / 2);
+  }
+}
+
+/// Puts the costs of each pixel at four hypotheses side by side, pixels `stride` bytes apart.
+DEPTHSCOPE_CLONES
+void weaveFour(std::size_t n, const std::uint8_t* __restrict a, const std::uint8_t* __restrict b,
+               const std::uint8_t* __restrict c, const std::uint8_t* __restrict d,
+               std::size_t stride, std::uint8_t* __restrict to) {
+  const auto weave = [&](std::size_t i, std::uint8_t* at) {
+    const std::uint32_t four =
+        static_cast<std::uint32_t>(a[i]) | static_cast<std::uint32_t>(b[i]) << 8 |
+        static_cast<std::uint32_t>(c[i]) << 16 | static_cast<std::uint32_t>(d[i]) << 24;
+    std::memcpy(at, &four, sizeof four);
+  };
+  if (stride == sizeof(std::uint32_t))
+    for (std::size_t i = 0; i < n; ++i) weave(i, to + i * sizeof(std::uint32_t));
+  else
+    for (std::size_t i = 0; i < n; ++i) weave(i, to + i * stride);
+}
+
 /// The neighbours of the pixels that a row lies on.
 DEPTHSCOPE_CLONES
 void gatherRow(int width, const std::uint32_t* __restrict quads,
@@ -103,28 +137,24 @@ void gatherRow(int width, const std::uint32_t* __restrict quads,
   for (int x = 0; x < width; ++x) to[x] = quads[place[x]];
 }
 
-/// Leaves usable what is there, too. The mask has words for cells: vectors gather no bytes.
-DEPTHSCOPE_CLONES
-void maskRow(int width, const std::uint32_t* __restrict usable_there,
-             const std::int32_t* __restrict place, std::uint32_t* __restrict seen,
-             std::uint8_t* __restrict usable) {
-  for (int x = 0; x < width; ++x) seen[x] = usable_there[place[x]];
-  for (int x = 0; x < width; ++x) usable[x] &= static_cast<std::uint8_t>(seen[x]);
-}
-
-/// Bilinear interpolation.
+/// Bilinear interpolation; leaves usable what is there, too. In the windows of others what may not
+/// be used is as its right neighbour.
 DEPTHSCOPE_CLONES
 void blendRow(int width, const std::uint32_t* __restrict quads,
-              const std::uint32_t* __restrict weights, std::uint8_t* __restrict to) {
+              const std::uint32_t* __restrict weights, std::uint8_t* __restrict to,
+              std::uint8_t* __restrict usable) {
   for (int x = 0; x < width; ++x) {
     const auto quad = static_cast<std::int32_t>(quads[x] & 0xffffff);
     const std::int32_t a = static_cast<std::int32_t>(weights[x] & 0xffff);
     const std::int32_t b = static_cast<std::int32_t>(weights[x] >> 16);
-    const std::int32_t upper = (kOne - a) * (quad & 0xff) + a * (quad >> 8 & 0xff);
+    const std::int32_t own = quad & 0xff, right = quad >> 8 & 0xff;
+    const std::int32_t left = own > 0 ? own : right;
+    const std::int32_t upper = (kOne - a) * left + a * right;
     const std::int32_t lower =
         (kOne - a) * (quad >> 16) + a * static_cast<std::int32_t>(quads[x] >> 24);
     to[x] = static_cast<std::uint8_t>(((kOne - b) * upper + b * lower + kOne * kOne / 2) >>
                                       (2 * kBits));
+    usable[x] &= static_cast<std::uint8_t>(own > 0 ? 1 : 0);
   }
 }
 
@@ -137,20 +167,13 @@ void PlaneSweep::begin(const RectifiedLevel& reference, const std::vector<SweepS
   volume.height = luma.height;
   volume.cost.resize(luma.size() * static_cast<std::size_t>(volume.hypotheses));
   correlator_.setReference(luma, reference.usable, radius, noise);
-  warped_.reset(luma.width, luma.height);
-  usable_.reset(luma.width, luma.height);
+  warped_.resize(luma.width, luma.height);
+  usable_.resize(luma.width, luma.height);
   place_.resize(static_cast<std::size_t>(luma.width));
   weights_.resize(place_.size());
   row_quads_.resize(place_.size());
-  row_usable_.resize(place_.size());
   packed_.resize(std::max(packed_.size(), sources.size()));
-  for (std::size_t s = 0; s < sources.size(); ++s) {
-    const RectifiedLevel& picture = *sources[s].picture;
-    pack(picture.luma, packed_[s].quads);
-    packed_[s].usable.reset(picture.usable.width, picture.usable.height);
-    std::copy(picture.usable.cells.begin(), picture.usable.cells.end(),
-              packed_[s].usable.cells.begin());
-  }
+  for (std::size_t s = 0; s < sources.size(); ++s) pack(*sources[s].picture, packed_[s]);
 }
 
 void PlaneSweep::plane(const std::vector<SweepSource>& sources, const PinholeLevel& level, int k,
@@ -165,16 +188,16 @@ void PlaneSweep::plane(const std::vector<SweepSource>& sources, const PinholeLev
     correlator_.cost(warped_, usable_, cost_);
     keepTwoBest(n, cost_.cells.data(), best_.cells.data(), second_.cells.data());
   }
-  std::uint8_t* to = volume.cost.data() + k;
-  for (std::size_t i = 0; i < n; ++i) {
-    const int lonely = std::min(best_.cells[i] + kLonelyCost, 255);
-    const int second = std::min<int>(second_.cells[i], lonely);
-    to[i * static_cast<std::size_t>(volume.hypotheses)] =
-        static_cast<std::uint8_t>((best_.cells[i] + second + 1) / 2);
-  }
+  const int place = k % kWoven;
+  std::vector<std::uint8_t>& costs = planes_[static_cast<std::size_t>(place)];
+  costs.resize(n);
+  meanOfTwo(n, best_.cells.data(), second_.cells.data(), costs.data());
+  if (place == kWoven - 1)
+    weaveFour(n, planes_[0].data(), planes_[1].data(), planes_[2].data(), planes_[3].data(),
+              static_cast<std::size_t>(volume.hypotheses), volume.cost.data() + k - place);
 }
 
-void PlaneSweep::warp(const Pose& T_source_reference, const PackedSource& source,
+void PlaneSweep::warp(const Pose& T_source_reference, const Grid<std::uint32_t>& quads,
                       const PinholeLevel& level, const CostVolume& volume, float offset) {
   const Warp w = warpOf(T_source_reference, level);
   for (int y = 0; y < volume.height; ++y) {
@@ -182,9 +205,8 @@ void PlaneSweep::warp(const Pose& T_source_reference, const PackedSource& source
                       volume.width, volume.height};
     std::uint8_t* usable = usable_.row(y);
     placeRow(row, volume.centre.row(y), offset, place_.data(), weights_.data(), usable);
-    gatherRow(volume.width, source.quads.cells.data(), place_.data(), row_quads_.data());
-    maskRow(volume.width, source.usable.cells.data(), place_.data(), row_usable_.data(), usable);
-    blendRow(volume.width, row_quads_.data(), weights_.data(), warped_.row(y));
+    gatherRow(volume.width, quads.cells.data(), place_.data(), row_quads_.data());
+    blendRow(volume.width, row_quads_.data(), weights_.data(), warped_.row(y), usable);
   }
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -15,7 +16,8 @@ struct SweepSource {
 };
 
 /// Matching costs of every pixel and hypothesis: `cost[pixel * hypotheses + k]`, 255 is the worst.
-/// Hypothesis k of a pixel is inverse depth `centre + (k - (hypotheses - 1) / 2) * step`.
+/// Hypothesis k of a pixel is inverse depth `centre + (k - (hypotheses - 1) / 2) * step`; there are
+/// 4, 8, 16, 32 or 64.
 struct CostVolume {
   int width = 0, height = 0, hypotheses = 0;
   float step = 0;      // [1 / map unit]
@@ -42,27 +44,24 @@ class PlaneSweep {
   }
 
  private:
-  /// A source as rows are gathered from it.
-  struct PackedSource {
-    Grid<std::uint32_t> quads;   // a pixel, its right, lower, and lower right neighbour, from the
-                                 // lowest byte up
-    Grid<std::uint32_t> usable;  // 1 or 0
-  };
+  static constexpr int kWoven = 4;  // hypotheses whose costs are put side by side at once
 
   void begin(const RectifiedLevel& reference, const std::vector<SweepSource>& sources, int radius,
              float noise, CostVolume& volume);
   void plane(const std::vector<SweepSource>& sources, const PinholeLevel& level, int k,
              CostVolume& volume);
-  void warp(const Pose& T_source_reference, const PackedSource& source, const PinholeLevel& level,
-            const CostVolume& volume, float offset);
+  void warp(const Pose& T_source_reference, const Grid<std::uint32_t>& quads,
+            const PinholeLevel& level, const CostVolume& volume, float offset);
 
   Correlator correlator_;
-  std::vector<PackedSource> packed_;
+  // Of each source's pixels, from the lowest byte up: the pixel, 0 where it may not be used, its
+  // right, lower, and lower right neighbour.
+  std::vector<Grid<std::uint32_t>> packed_;
   Grid<std::uint8_t> warped_, usable_, cost_, best_, second_;
-  // Of one row: the pixel's place in the source, the weights of its quad [1/1024], the quad, and
-  // whether it may be used.
+  std::array<std::vector<std::uint8_t>, kWoven> planes_;  // costs at the last hypotheses
+  // Of one row: the pixel's place in the source, the weights of its quad [1/1024], and the quad.
   std::vector<std::int32_t> place_;
-  std::vector<std::uint32_t> weights_, row_quads_, row_usable_;
+  std::vector<std::uint32_t> weights_, row_quads_;
 };
 
 }  // namespace depthscope::recon

@@ -112,22 +112,20 @@ void SemiGlobal::aggregate(const CostVolume& volume, int small, int large, std::
             static_cast<std::size_t>(x)) *
            K;
   };
-  along_row_.resize(K);
-  const auto sweep = [&](bool forward) {
-    along_columns_.assign(static_cast<std::size_t>(width) * K, 0);
-    for (int j = 0; j < height; ++j) {
-      const int y = forward ? j : height - 1 - j;
-      std::fill(along_row_.begin(), along_row_.end(), std::uint16_t{0});
-      for (int i = 0; i < width; ++i) {
-        const int x = forward ? i : width - 1 - i;
-        const std::uint8_t* cost = volume.cost.data() + at(x, y);
-        step<K>(cost, small, large, along_row_.data(), along_columns_.data() + x * K,
-                total + at(x, y));
-      }
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  // From the first pixel on and from the last one back, step by step in turns: neither waits for
+  // what the other has just worked out.
+  for (Paths& paths : paths_) paths.columns.assign(static_cast<std::size_t>(width) * K, 0);
+  for (int y = 0; y < height; ++y) {
+    for (Paths& paths : paths_) paths.row.assign(K, 0);
+    for (int x = 0; x < width; ++x) {
+      const std::size_t there = at(x, y), back = (pixels - 1) * K - there;
+      step<K>(volume.cost.data() + there, small, large, paths_[0].row.data(),
+              paths_[0].columns.data() + x * K, total + there);
+      step<K>(volume.cost.data() + back, small, large, paths_[1].row.data(),
+              paths_[1].columns.data() + (width - 1 - x) * K, total + back);
     }
-  };
-  sweep(true);
-  sweep(false);
+  }
 }
 
 void SemiGlobal::run(const CostVolume& volume, int small, int large,

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -9,7 +10,7 @@ namespace depthscope::recon {
 /// Semi-global matching (Hirschmueller 2008) along four directions: neighbours that differ by one
 /// hypothesis cost `small`, by more `large`. Fills `total[pixel * hypotheses + k]`, the sum of the
 /// four path costs. Hypotheses are counted from each pixel's own centre, so a slanted prior costs
-/// nothing. `hypotheses` is 4, 8, 16, 32 or 64.
+/// nothing.
 class SemiGlobal {
  public:
   void run(const CostVolume& volume, int small, int large, std::vector<std::uint16_t>& total);
@@ -18,7 +19,11 @@ class SemiGlobal {
   template <int K>
   void aggregate(const CostVolume& volume, int small, int large, std::uint16_t* total);
 
-  std::vector<std::uint16_t> along_row_, along_columns_;  // path costs of the last step
+  /// Path costs of the last step along the row and along each column.
+  struct Paths {
+    std::vector<std::uint16_t> row, columns;
+  };
+  std::array<Paths, 2> paths_;
 };
 
 }  // namespace depthscope::recon

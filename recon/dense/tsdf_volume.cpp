@@ -23,12 +23,14 @@ TsdfVolume::TsdfVolume(int max_blocks)
       voxels_(capacity_ * kVoxels),
       slots_(std::bit_ceil(2 * capacity_), kNone) {
   keys_.reserve(capacity_);
+  for (auto& middles : middles_) middles.reserve(capacity_);
 }
 
 void TsdfVolume::begin(float voxel_size, float truncation) {
   voxel_size_ = voxel_size;
   truncation_ = truncation;
   keys_.clear();
+  for (auto& middles : middles_) middles.clear();
   std::fill(slots_.begin(), slots_.end(), kNone);
 }
 
@@ -53,6 +55,10 @@ bool TsdfVolume::insert(const Key& key) {
   if (keys_.size() == capacity_) return false;
   slots_[slot] = static_cast<std::int32_t>(keys_.size());
   keys_.push_back(key);
+  for (std::size_t i = 0; i < 3; ++i)
+    middles_[i].push_back(
+        (static_cast<float>(key[static_cast<int>(i)] * kSide) + static_cast<float>(kSide - 1) / 2) *
+        voxel_size_);
   std::fill_n(voxels_.begin() + static_cast<std::ptrdiff_t>((keys_.size() - 1) * kVoxels), kVoxels,
               Voxel{});
   return true;
@@ -82,32 +88,50 @@ bool TsdfVolume::allocate(const FusedView& view, const PinholeLevel& level) {
   return true;
 }
 
-void TsdfVolume::integrate(const FusedView& view, const PinholeLevel& level, ViewPixels& scratch,
-                           int first, int step) {
-  prepare(view, level, scratch);
-  const Eigen::Matrix3f R = view.T_camera_world.R.cast<float>();
-  const Eigen::Vector3f t = view.T_camera_world.t.cast<float>();
-  for (int b = first; b < blocks(); b += step) integrateBlock(b, scratch, level, R, t);
+namespace {
+
+/// One row of a depth map as voxels need it; factors from the map's units to theirs.
+struct RowOfMap {
+  const float *inverse_depth, *slant;
+  const std::uint8_t *confidence, *agreeing;
+  float scale, voxels_per_unit, precision;
+};
+
+DEPTHSCOPE_CLONES
+void prepareRow(int width, const RowOfMap& row, float truncation,
+                TsdfVolume::ViewPixels::Pixel* __restrict pixels, float* __restrict reach) {
+  const float* __restrict inverse_depth = row.inverse_depth, * __restrict slants = row.slant;
+  const std::uint8_t* __restrict confidence = row.confidence, * __restrict agreeing = row.agreeing;
+  const float scale = row.scale, voxels = row.voxels_per_unit, precision = row.precision;
+  for (int x = 0; x < width; ++x) {
+    const float q = inverse_depth[x] * scale;
+    const int votes = confidence[x] * agreeing[x];
+    const bool known = (q > 0) & (votes > 0);
+    const float depth = 1 / (known ? q : 1.f), slant = known ? slants[x] * voxels : 1.f;
+    // Pixels of disparity per voxel along the normal: 1 / the standard deviation is a part of it.
+    const float sure = slant * (known ? q * q : 0.f) / precision;
+    pixels[x] = {known ? depth : 0.f, known ? slant : 0.f, sure * sure * static_cast<float>(votes)};
+    reach[x] = known ? depth + truncation / slant : 0.f;
+  }
 }
+
+}  // namespace
 
 void TsdfVolume::prepare(const FusedView& view, const PinholeLevel& level, ViewPixels& out) const {
   const DepthMap& map = *view.map;
-  out.pixels.reset(level.width, level.height);
+  out.pixels.resize(level.width, level.height);
+  out.reach.resize(static_cast<std::size_t>(level.width));
   out.farthest.reset(level.width / kTile_px + 1, level.height / kTile_px + 1);
-  for (std::size_t i = 0; i < out.pixels.size(); ++i) {
-    const float q = map.inverse_depth.cells[i] * view.inverse_scale;
-    ViewPixels::Pixel& pixel = out.pixels.cells[i];
-    if (!(q > 0) || view.agreeing.cells[i] == 0) continue;
-    const float slant = map.slant.cells[i];
-    // Voxels per pixel of disparity, along the normal: the standard deviation is a part of it.
-    const float deviation = map.precision * view.inverse_scale / (q * q * voxel_size_);
-    pixel.depth = 1 / q;
-    pixel.slant = slant / voxel_size_;
-    pixel.weight = slant * slant / (deviation * deviation) *
-                   static_cast<float>(map.confidence.cells[i] * view.agreeing.cells[i]);
-    const auto x = static_cast<int>(i) % level.width, y = static_cast<int>(i) / level.width;
-    float& farthest = out.farthest.at(x / kTile_px, y / kTile_px);
-    farthest = std::max(farthest, pixel.depth + truncation_ / pixel.slant);
+  for (int y = 0; y < level.height; ++y) {
+    prepareRow(
+        level.width,
+        {map.inverse_depth.row(y), map.slant.row(y), map.confidence.row(y), view.agreeing.row(y),
+         view.inverse_scale, 1 / voxel_size_, map.precision * view.inverse_scale},
+        truncation_, out.pixels.row(y), out.reach.data());
+    float* farthest = out.farthest.row(y / kTile_px);
+    for (int x = 0; x < level.width; ++x)
+      farthest[x / kTile_px] =
+          std::max(farthest[x / kTile_px], out.reach[static_cast<std::size_t>(x)]);
   }
 }
 
@@ -145,6 +169,46 @@ void placeBlock(const BlockFrame& block, const PinholeLevel& level, BlockPlaces&
   }
 }
 
+/// Where a view sees the middles of blocks.
+struct BlockMiddles {
+  static constexpr int kMost = 64;
+  std::array<float, kMost> u, v, depth;
+  std::array<float, kMost> reach_px;  // that a block may cover around its middle
+  std::array<std::uint8_t, kMost> in_picture;
+};
+
+struct BlockView {
+  std::array<float, 9> R;  // world to camera, by rows
+  std::array<float, 3> t;
+  float radius;  // of blocks
+};
+
+DEPTHSCOPE_CLONES
+void placeMiddles(int n, const float* __restrict x, const float* __restrict y,
+                  const float* __restrict z, const BlockView& view, const PinholeLevel& level,
+                  BlockMiddles& out) {
+  const float f = level.f, cx = level.cx, cy = level.cy, radius = view.radius;
+  const auto width = static_cast<float>(level.width), height = static_cast<float>(level.height);
+  const auto& R = view.R;
+  const auto& t = view.t;
+  for (int i = 0; i < n; ++i) {
+    const float px = R[0] * x[i] + R[1] * y[i] + R[2] * z[i] + t[0];
+    const float py = R[3] * x[i] + R[4] * y[i] + R[5] * z[i] + t[1];
+    const float pz = R[6] * x[i] + R[7] * y[i] + R[8] * z[i] + t[2];
+    const bool before = pz > radius;
+    const float depth = before ? pz : 1.f;
+    const float reach = f * radius / (before ? pz - radius : 1.f);
+    const float u = f * px / depth + cx, v = f * py / depth + cy;
+    const bool in_picture =
+        before & (u >= -reach) & (v >= -reach) & (u <= width + reach) & (v <= height + reach);
+    out.u[static_cast<std::size_t>(i)] = u;
+    out.v[static_cast<std::size_t>(i)] = v;
+    out.depth[static_cast<std::size_t>(i)] = depth;
+    out.reach_px[static_cast<std::size_t>(i)] = reach;
+    out.in_picture[static_cast<std::size_t>(i)] = in_picture ? 1 : 0;
+  }
+}
+
 /// Whether a pixel up to `reach_px` from (u, v) may see a surface within the truncation of what is
 /// `depth` away or farther.
 bool anyReaches(const Grid<float>& farthest, float u, float v, float reach_px, float depth) {
@@ -160,20 +224,35 @@ bool anyReaches(const Grid<float>& farthest, float u, float v, float reach_px, f
 
 }  // namespace
 
+void TsdfVolume::integrate(const FusedView& view, const PinholeLevel& level, ViewPixels& scratch,
+                           int first, int step) {
+  prepare(view, level, scratch);
+  const Eigen::Matrix3f R = view.T_camera_world.R.cast<float>();
+  const Eigen::Vector3f t = view.T_camera_world.t.cast<float>();
+  const float radius = std::sqrt(3.f) * static_cast<float>(kSide - 1) / 2 * voxel_size_;
+  const BlockView block_view{
+      {R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)},
+      {t.x(), t.y(), t.z()},
+      radius};
+  constexpr int kTogether = BlockMiddles::kMost;
+  BlockMiddles middles;
+  for (int begin = first * kTogether; begin < blocks(); begin += step * kTogether) {
+    const int n = std::min(kTogether, blocks() - begin);
+    placeMiddles(n, middles_[0].data() + begin, middles_[1].data() + begin,
+                 middles_[2].data() + begin, block_view, level, middles);
+    for (int i = 0; i < n; ++i) {
+      const auto m = static_cast<std::size_t>(i);
+      if (middles.in_picture[m] != 0 &&
+          anyReaches(scratch.farthest, middles.u[m], middles.v[m], middles.reach_px[m] + 1,
+                     middles.depth[m] - kRounding * radius))
+        integrateBlock(begin + i, scratch, level, R, t);
+    }
+  }
+}
+
 void TsdfVolume::integrateBlock(int block, const ViewPixels& view, const PinholeLevel& level,
                                 const Eigen::Matrix3f& R, const Eigen::Vector3f& t) {
-  const Eigen::Vector3f corner = key(block).cast<float>() * (kSide * voxel_size_);
-  const Eigen::Vector3f first = R * corner + t;
-  const float half = static_cast<float>(kSide - 1) / 2 * voxel_size_;
-  const Eigen::Vector3f middle = first + R * Eigen::Vector3f::Constant(half);
-  const float radius = half * std::sqrt(3.f);
-  if (middle.z() < radius) return;
-  const float blur = level.f * radius / (middle.z() - radius);  // [px] that the block may cover
-  const float mu = level.f * middle.x() / middle.z() + level.cx;
-  const float mv = level.f * middle.y() / middle.z() + level.cy;
-  if (mu < -blur || mv < -blur || mu > level.width + blur || mv > level.height + blur) return;
-  if (!anyReaches(view.farthest, mu, mv, blur + 1, middle.z() - kRounding * radius)) return;
-
+  const Eigen::Vector3f first = R * (key(block).cast<float>() * (kSide * voxel_size_)) + t;
   const auto array = [](const Eigen::Vector3f& v) { return std::array{v.x(), v.y(), v.z()}; };
   BlockPlaces places;
   placeBlock({array(first), array(R.col(0) * voxel_size_), array(R.col(1) * voxel_size_),
@@ -203,7 +282,8 @@ void TsdfVolume::finish() {
 }
 
 std::size_t TsdfVolume::bytes() const {
-  return voxels_.capacity() * sizeof(Voxel) + keys_.capacity() * sizeof(Key) +
+  return voxels_.capacity() * sizeof(Voxel) +
+         keys_.capacity() * (sizeof(Key) + middles_.size() * sizeof(float)) +
          slots_.capacity() * sizeof(std::int32_t);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <stop_token>
 #include <vector>
@@ -41,7 +42,8 @@ class TsdfVolume {
       float weight = 0;  // 0: unknown
     };
     Grid<Pixel> pixels;
-    Grid<float> farthest;  // of each tile: depth within the truncation of a surface
+    Grid<float> farthest;      // of each tile: depth within the truncation of a surface
+    std::vector<float> reach;  // the same of each pixel of one row
   };
   /// Adds a view's distances to the blocks that are there: to every `step`-th from `first`, so that
   /// threads, each with a scratch of its own, can share them.
@@ -72,6 +74,7 @@ class TsdfVolume {
   float voxel_size_ = 1, truncation_ = 4;
   std::size_t capacity_;
   std::vector<Key> keys_;
+  std::array<std::vector<float>, 3> middles_;  // of the blocks, x, y and z [map unit]
   std::vector<Voxel> voxels_;
   std::vector<std::int32_t> slots_;  // open addressing: block, or kNone
 };

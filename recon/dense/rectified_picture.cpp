@@ -1,7 +1,9 @@
 #include "recon/dense/rectified_picture.hpp"
 
+#include <cmath>
 #include <vector>
 
+#include "recon/dense/view_picture.hpp"
 #include "types/surroundings.hpp"
 
 namespace depthscope::recon {
@@ -56,82 +58,92 @@ void erode(int radius, Luma& view) {
     }
 }
 
-/// Sums over all pixels left of and above each cell border that show tissue.
-struct Integral {
-  int stride;
-  std::vector<std::uint32_t> sum, count;
+/// Brightness of what shows tissue, averaged over boxes of cells: it changes slowly.
+class LocalMean {
+ public:
+  static constexpr int kCell = 4;  // [px]
 
-  explicit Integral(const Luma& picture) : stride(picture.width + 1) {
-    const std::size_t cells =
-        static_cast<std::size_t>(stride) * static_cast<std::size_t>(picture.height + 1);
-    sum.assign(cells, 0);
-    count.assign(cells, 0);
-    for (int y = 0; y < picture.height; ++y) {
-      std::uint32_t row_sum = 0, row_count = 0;
+  explicit LocalMean(const Luma& picture)
+      : columns_((picture.width + kCell - 1) / kCell),
+        rows_((picture.height + kCell - 1) / kCell),
+        integral_(static_cast<std::size_t>((columns_ + 1) * (rows_ + 1))) {
+    for (int y = 0; y < picture.height; ++y)
       for (int x = 0; x < picture.width; ++x) {
         const std::uint8_t value = picture.at(x, y);
-        row_sum += value;
-        row_count += value != kNothing;
-        const auto below = static_cast<std::size_t>((y + 1) * stride + x + 1);
-        const auto above = below - static_cast<std::size_t>(stride);
-        sum[below] = sum[above] + row_sum;
-        count[below] = count[above] + row_count;
+        Sum& cell = at(x / kCell + 1, y / kCell + 1);
+        cell.luma += value;
+        cell.count += value != kNothing;
       }
+    for (int row = 1; row <= rows_; ++row)
+      for (int column = 1; column <= columns_; ++column) {
+        at(column, row) += at(column - 1, row);
+        at(column, row) += at(column, row - 1);
+        at(column, row) -= at(column - 1, row - 1);
+      }
+  }
+
+  /// Mean over the cells within `reach` of one; 0 without tissue.
+  int around(int column, int row, int reach) const {
+    const int left = std::max(column - reach, 0), right = std::min(column + reach + 1, columns_);
+    const int top = std::max(row - reach, 0), bottom = std::min(row + reach + 1, rows_);
+    Sum sum = at(right, bottom);
+    sum -= at(left, bottom);
+    sum -= at(right, top);
+    sum += at(left, top);
+    return sum.count > 0 ? static_cast<int>(sum.luma / sum.count) : 0;
+  }
+
+ private:
+  struct Sum {
+    std::uint32_t luma = 0, count = 0;
+    void operator+=(const Sum& s) {
+      luma += s.luma;
+      count += s.count;
     }
+    void operator-=(const Sum& s) {
+      luma -= s.luma;
+      count -= s.count;
+    }
+  };
+  Sum& at(int column, int row) {
+    return integral_[static_cast<std::size_t>(row * (columns_ + 1) + column)];
   }
-  /// Mean over the pixels [x0, x1) x [y0, y1) that show tissue; 0 without any.
-  std::uint32_t mean(int x0, int y0, int x1, int y1) const {
-    const auto box = [&](const std::vector<std::uint32_t>& v) {
-      const auto i = [&](int x, int y) { return static_cast<std::size_t>(y * stride + x); };
-      return v[i(x1, y1)] - v[i(x0, y1)] - v[i(x1, y0)] + v[i(x0, y0)];
-    };
-    const std::uint32_t n = box(count);
-    return n > 0 ? box(sum) / n : 0;
+  const Sum& at(int column, int row) const {
+    return integral_[static_cast<std::size_t>(row * (columns_ + 1) + column)];
   }
+
+  int columns_, rows_;
+  std::vector<Sum> integral_;  // over all cells left of and above each cell border
 };
 
 /// Paints pixels that are saturated or stand out from the tissue around them, and their neighbours.
-/// The brightness around is worked out once for cells of a few pixels: it changes slowly.
 void paintSpeculars(Luma& picture, const DenseSettings& settings) {
-  const Integral integral(picture);
-  const int reach = picture.width / 10;  // a fifth of the width around each pixel
-  std::vector<std::pair<std::size_t, std::uint8_t>> painted;
-  const auto brightnessAround = [&](int x, int y) {
-    return static_cast<int>(integral.mean(std::max(x - reach, 0), std::max(y - reach, 0),
-                                          std::min(x + reach + 1, picture.width),
-                                          std::min(y + reach + 1, picture.height)));
-  };
-  const auto paint = [&](int x, int y, std::uint8_t fill) {
+  constexpr int kCell = LocalMean::kCell;
+  const LocalMean mean(picture);
+  const int reach = picture.width / 10 / kCell;  // a fifth of the width around each cell
+  Luma fill(picture.width, picture.height, kNothing);
+  const auto paint = [&](int x, int y, std::uint8_t with) {
     for (int j = std::max(y - 1, 0); j <= std::min(y + 1, picture.height - 1); ++j)
       for (int i = std::max(x - 1, 0); i <= std::min(x + 1, picture.width - 1); ++i)
-        if (picture.at(i, j) != kNothing)
-          painted.emplace_back(static_cast<std::size_t>(j * picture.width + i), fill);
+        fill.at(i, j) = with;
   };
-  constexpr int kCell = 4;
   for (int top = 0; top < picture.height; top += kCell)
     for (int left = 0; left < picture.width; left += kCell) {
-      const int around = brightnessAround(left + kCell / 2, top + kCell / 2);
-      const double limit =
-          std::min<double>(settings.specular_threshold, settings.specular_contrast * around);
+      const int around = mean.around(left / kCell, top / kCell, reach);
+      const int limit = static_cast<int>(std::ceil(
+          std::min<double>(settings.specular_threshold, settings.specular_contrast * around)));
       for (int y = top; y < std::min(top + kCell, picture.height); ++y)
         for (int x = left; x < std::min(left + kCell, picture.width); ++x)
           if (picture.at(x, y) != kNothing && picture.at(x, y) >= limit)
             paint(x, y, static_cast<std::uint8_t>(std::max(around, 1)));
     }
-  for (const auto& [cell, fill] : painted) picture.cells[cell] = fill;
+  for (std::size_t i = 0; i < picture.size(); ++i)
+    if (picture.cells[i] != kNothing && fill.cells[i] != kNothing) picture.cells[i] = fill.cells[i];
 }
 
 /// Means of 2 x 2 pixels.
 void halve(const Luma& fine, Luma& coarse) {
-  coarse.reset(fine.width / 2, fine.height / 2);
-  for (int y = 0; y < coarse.height; ++y) {
-    const std::uint8_t* upper = fine.row(2 * y);
-    const std::uint8_t* lower = fine.row(2 * y + 1);
-    std::uint8_t* to = coarse.row(y);
-    for (int x = 0; x < coarse.width; ++x)
-      to[x] = static_cast<std::uint8_t>(
-          (upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1] + 2) / 4);
-  }
+  reducePicture({fine.cells.data(), fine.width, fine.height, fine.width}, 2, coarse);
 }
 
 }  // namespace

@@ -50,9 +50,10 @@ void fuseTwelve(benchmark::State& state) {
   settings.min_motion = 0.01;
   DenseReconstructor reconstructor(scene().camera, settings, ReconSettings{}.threads);
   for (const ViewPicture& picture : scene().pictures) reconstructor.addPicture(picture);
+  const CloudIndex index = indexOf(scene().camera, scene().cloud);
   SurfaceMesh mesh;
-  (void)reconstructor.reconstruct(scene().cloud, kTriangles, mesh, {});
-  for (auto _ : state) (void)reconstructor.reconstruct(scene().cloud, kTriangles, mesh, {});
+  (void)reconstructor.reconstruct(index, kTriangles, mesh, {});
+  for (auto _ : state) (void)reconstructor.reconstruct(index, kTriangles, mesh, {});
 }
 BENCHMARK(fuseTwelve)->Unit(benchmark::kMillisecond);
 

@@ -10,6 +10,7 @@
 
 #include "recon/dense/cloud_index.hpp"
 #include "recon/dense/dense_reconstructor.hpp"
+#include "recon/dense/sightings.hpp"
 #include "recon/mls_smoothing.hpp"
 #include "recon/point_filters.hpp"
 #include "recon/poisson_surface.hpp"
@@ -80,6 +81,9 @@ Reconstructor::Reconstructor(const CameraModel& camera, const ReconSettings& set
     : settings_(settings) {
   const MemoryScope metered(memory_);
   check(settings_);
+  const int width = settings_.dense.picture_width;
+  if (camera.width > 0 && camera.height > 0)
+    seen_ = finestLevel(camera, reductionFactor(camera.width, width), width);
   painter_ = std::make_unique<SurfacePainter>(camera, settings_.color_pictures);
   if (settings_.method == ReconSettings::Method::Dense) {
     reduction_ = reductionFactor(camera.width, settings_.dense.picture_width);
@@ -105,15 +109,16 @@ ReconStatus Reconstructor::reconstruct(const SparseCloud& cloud, SurfaceMesh& ou
                                        std::stop_token stop) noexcept {
   const MemoryScope metered(memory_);
   try {
+    const CloudIndex index(cloud, sightingsOfAllViews(cloud, seen_));
     SurfaceMesh mesh;
     ReconStatus status = ReconStatus::TooFewPoints;
-    if (dense_) status = dense_->reconstruct(cloud, settings_.max_triangles, mesh, stop);
+    if (dense_) status = dense_->reconstruct(index, settings_.max_triangles, mesh, stop);
     // At the start, map points bear a surface before depth maps confirm one another.
     if (status == ReconStatus::TooFewPoints) status = sparse(cloud, mesh, stop);
     if (status != ReconStatus::Ok) return status;
     mesh.map_id = cloud.map_id;
-    painter_->paint(cloud, mesh);
-    compareWithLast(mesh, cloud);
+    painter_->paint(index, mesh);
+    compareWithLast(mesh, index.medianDepth());
     mesh.version = ++version_;
     out = std::move(mesh);
     return ReconStatus::Ok;
@@ -124,10 +129,9 @@ ReconStatus Reconstructor::reconstruct(const SparseCloud& cloud, SurfaceMesh& ou
   }
 }
 
-void Reconstructor::compareWithLast(const SurfaceMesh& mesh, const SparseCloud& cloud) {
+void Reconstructor::compareWithLast(const SurfaceMesh& mesh, float depth) {
   constexpr float kReach = 3 * kJump;  // farther apart they are different places
   change_ = {};
-  const float depth = CloudIndex(cloud, cloud.sightings).medianDepth();
   if (last_.map_id == mesh.map_id && depth > 0) {
     change_ = compareSurfaces(last_, mesh, kJump * depth, kReach * depth);
     change_.largest /= depth;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <stop_token>
 
+#include "recon/dense/pinhole_view.hpp"
 #include "recon/recon_settings.hpp"
 #include "recon/recon_status.hpp"
 #include "recon/surface_change.hpp"
@@ -50,12 +51,14 @@ class Reconstructor {
   const MemoryMeter& memory() const { return memory_; }
 
  private:
-  void compareWithLast(const SurfaceMesh& mesh, const SparseCloud& cloud);
+  /// `depth`: the median of the map points [map unit].
+  void compareWithLast(const SurfaceMesh& mesh, float depth);
   ReconStatus sparse(const SparseCloud& cloud, SurfaceMesh& mesh,
                      const std::stop_token& stop) const;
 
   MemoryMeter memory_;  // before what is metered
   ReconSettings settings_;
+  PinholeLevel seen_;  // what a picture shows
   int reduction_ = 0;
   std::unique_ptr<DenseReconstructor> dense_;  // null for the sparse method
   std::unique_ptr<SurfacePainter> painter_;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "recon/dense/sightings.hpp"
-
 namespace depthscope::recon {
 namespace {
 
@@ -40,12 +38,12 @@ void SurfacePainter::addPicture(const ViewPicture& picture) {
   if (picture.color.size() == size_.pixels()) gallery_.add(picture.frame, picture.color);
 }
 
-void SurfacePainter::paint(const SparseCloud& cloud, SurfaceMesh& mesh) {
+void SurfacePainter::paint(const CloudIndex& index, SurfaceMesh& mesh) {
+  const SparseCloud& cloud = index.cloud();
   mesh.colors.clear();
   if (!view_) return;
   gallery_.update(cloud.view_frames);
-  const std::vector<std::size_t> views =
-      chooseViews(CloudIndex(cloud, sightingsOfAllViews(cloud, view_->level(0))));
+  const std::vector<std::size_t> views = chooseViews(index);
   if (views.empty()) return;
   sums_.assign(mesh.vertices.size(), {});
   for (std::size_t k : views) {

@@ -25,7 +25,7 @@ class SurfacePainter {
   /// sees has the mean colour of its neighbours in the mesh (black where these have none either).
   /// Neither time nor memory grow with the map: at most 24 views are looked at, those that see
   /// the map points best together.
-  void paint(const SparseCloud& cloud, SurfaceMesh& mesh);
+  void paint(const CloudIndex& index, SurfaceMesh& mesh);
 
  private:
   struct Sum {

@@ -4,7 +4,6 @@
 #include <limits>
 #include <utility>
 
-#include "recon/dense/sightings.hpp"
 #include "recon/dense/surface_nets.hpp"
 #include "recon/dense/view_selection.hpp"
 #include "recon/mesh_geometry.hpp"
@@ -53,11 +52,10 @@ void DenseReconstructor::addPicture(const ViewPicture& picture) {
   slot.frame = picture.frame;
 }
 
-ReconStatus DenseReconstructor::reconstruct(const SparseCloud& cloud, int max_triangles,
+ReconStatus DenseReconstructor::reconstruct(const CloudIndex& index, int max_triangles,
                                             SurfaceMesh& mesh, const std::stop_token& stop) {
-  const CloudIndex index(cloud, sightingsOfAllViews(cloud, view_.level(0)));
   store_.update(index);
-  stored_ = store_.inOrderOf(cloud);
+  stored_ = store_.inOrderOf(index.cloud());
   const float depth = index.medianDepth();
   if (!(depth > 0)) return ReconStatus::TooFewPoints;
   if (makeDepthMaps(index, stop) == ReconStatus::Cancelled) return ReconStatus::Cancelled;
@@ -165,35 +163,47 @@ bool DenseReconstructor::estimateDepth(const CloudIndex& index, std::size_t view
 
 /// Each depth map at its view's pose, its unit of length taken from the map points it sees.
 std::vector<FusedView> DenseReconstructor::placeDepthMaps(const CloudIndex& index) const {
-  const SparseCloud& cloud = index.cloud();
-  const PinholeLevel& level = view_.level(kDepthLevel);
+  std::vector<float> scale(stored_.size(), 0.f);
+  onRanges(threads_, scale.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      if (stored_[k] != nullptr && stored_[k]->depth != nullptr) scale[k] = inverseScale(index, k);
+  });
   std::vector<FusedView> views;
   std::vector<std::size_t> view_of, place(index.views(), index.views());
-  for (std::size_t k = 0; k < stored_.size(); ++k) {
-    if (stored_[k] == nullptr || stored_[k]->depth == nullptr) continue;
-    const Pose& T_camera_world = cloud.views_T_camera_world[k];
-    std::vector<float> scale;
-    for (std::uint32_t p : index.pointsOf(k)) {
-      const Eigen::Vector3d point = T_camera_world * cloud.points[p].position.cast<double>();
-      const Eigen::Vector2f pixel = pixelOf(point, level);
-      if (!(point.z() > 0) || !contains(level, pixel)) continue;
-      const float q = stored_[k]->depth->inverse_depth.at(static_cast<int>(pixel.x()),
-                                                          static_cast<int>(pixel.y()));
-      if (q > 0) scale.push_back(static_cast<float>(1 / (q * point.z())));
-    }
-    if (scale.size() < kMinAnchors) continue;
-    const auto middle = scale.begin() + static_cast<std::ptrdiff_t>(scale.size() / 2);
-    std::nth_element(scale.begin(), middle, scale.end());
+  for (std::size_t k = 0; k < scale.size(); ++k) {
+    if (!(scale[k] > 0)) continue;
     place[k] = views.size();
     view_of.push_back(k);
-    views.push_back({stored_[k]->depth, T_camera_world, *middle, {}, {}});
+    views.push_back({stored_[k]->depth, index.cloud().views_T_camera_world[k], scale[k], {}, {}});
   }
-  for (std::size_t i = 0; i < views.size(); ++i)
-    for (std::size_t k :
-         selectViews(index, view_of[i], settings_.agreement_views, settings_.best_angle_deg,
-                     [&](std::size_t c) { return place[c] < views.size(); }))
-      views[i].neighbours.push_back(place[k]);
+  onRanges(threads_, views.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t k :
+           selectViews(index, view_of[i], settings_.agreement_views, settings_.best_angle_deg,
+                       [&](std::size_t c) { return place[c] < views.size(); }))
+        views[i].neighbours.push_back(place[k]);
+  });
   return views;
+}
+
+/// What makes a depth map's inverse depths those of the map points; 0: too few to tell.
+float DenseReconstructor::inverseScale(const CloudIndex& index, std::size_t view) const {
+  const SparseCloud& cloud = index.cloud();
+  const PinholeLevel& level = view_.level(kDepthLevel);
+  const Grid<float>& inverse_depth = stored_[view]->depth->inverse_depth;
+  std::vector<float> scale;
+  for (std::uint32_t p : index.pointsOf(view)) {
+    const Eigen::Vector3d point =
+        cloud.views_T_camera_world[view] * cloud.points[p].position.cast<double>();
+    const Eigen::Vector2f pixel = pixelOf(point, level);
+    if (!(point.z() > 0) || !contains(level, pixel)) continue;
+    const float q = inverse_depth.at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
+    if (q > 0) scale.push_back(static_cast<float>(1 / (q * point.z())));
+  }
+  if (scale.size() < kMinAnchors) return 0;
+  const auto middle = scale.begin() + static_cast<std::ptrdiff_t>(scale.size() / 2);
+  std::nth_element(scale.begin(), middle, scale.end());
+  return *middle;
 }
 
 /// Failed when the volume is full.

@@ -25,7 +25,7 @@ class DenseReconstructor {
   void addPicture(const ViewPicture& picture);
   /// Fills vertices, normals, confidence, observations and triangles of `mesh` (at most
   /// `max_triangles`). `mesh` is of no use on any status but Ok.
-  ReconStatus reconstruct(const SparseCloud& cloud, int max_triangles, SurfaceMesh& mesh,
+  ReconStatus reconstruct(const CloudIndex& index, int max_triangles, SurfaceMesh& mesh,
                           const std::stop_token& stop);
 
  private:
@@ -38,6 +38,7 @@ class DenseReconstructor {
   bool estimateDepth(const CloudIndex& index, std::size_t view, DepthEstimator& estimator,
                      float max_error, DepthMap& out, const std::stop_token& stop) const;
   std::vector<FusedView> placeDepthMaps(const CloudIndex& index) const;
+  float inverseScale(const CloudIndex& index, std::size_t view) const;
   ReconStatus fuse(const std::vector<FusedView>& views, float voxel_size,
                    const std::stop_token& stop);
 

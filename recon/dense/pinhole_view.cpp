@@ -5,6 +5,7 @@
 namespace depthscope::recon {
 namespace {
 
+constexpr float kMaxTangent = 1.5f;            // 56 degrees: beyond, a pinhole wastes its pixels
 constexpr int kMultiple = 1 << (kLevels - 1);  // so that every level halves evenly
 
 struct Extent {
@@ -39,14 +40,17 @@ int roundUp(float size) {
 
 }  // namespace
 
-PinholeView::PinholeView(const CameraModel& camera, int factor, int max_width) {
+PinholeLevel finestLevel(const CameraModel& camera, int factor, int max_width) {
   const Extent e = visibleExtent(camera, kMaxTangent);
   const auto wanted =
       static_cast<float>(std::sqrt(camera.fx * camera.fy)) / static_cast<float>(factor);
   const float f = std::min(wanted, static_cast<float>(max_width) / (e.right - e.left));
-  PinholeLevel& finest = levels_[0];
-  finest = {roundUp(f * (e.right - e.left)), roundUp(f * (e.bottom - e.top)), f, -f * e.left,
-            -f * e.top};
+  return {roundUp(f * (e.right - e.left)), roundUp(f * (e.bottom - e.top)), f, -f * e.left,
+          -f * e.top};
+}
+
+PinholeView::PinholeView(const CameraModel& camera, int factor, int max_width) {
+  const PinholeLevel finest = levels_[0] = finestLevel(camera, factor, max_width);
   for (std::size_t l = 1; l < levels_.size(); ++l) {
     const PinholeLevel& fine = levels_[l - 1];
     levels_[l] = {fine.width / 2, fine.height / 2, fine.f / 2, (fine.cx - 0.5f) / 2,
@@ -56,7 +60,7 @@ PinholeView::PinholeView(const CameraModel& camera, int factor, int max_width) {
   const int reduced_width = camera.width / factor, reduced_height = camera.height / factor;
   for (int y = 0; y < finest.height; ++y)
     for (int x = 0; x < finest.width; ++x) {
-      const Eigen::Vector3d ray((x - finest.cx) / f, (y - finest.cy) / f, 1);
+      const Eigen::Vector3d ray((x - finest.cx) / finest.f, (y - finest.cy) / finest.f, 1);
       const Eigen::Vector2d captured = camera.project(ray);
       // Beyond its edge the lens model may fold back into the picture.
       const bool one_to_one = (camera.unproject(captured) - ray.head<2>()).norm() < 1e-3;

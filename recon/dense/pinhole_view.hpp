@@ -18,8 +18,11 @@ struct PinholeLevel {
   float f = 1, cx = 0, cy = 0;
 };
 
+/// The finest level of a PinholeView.
+PinholeLevel finestLevel(const CameraModel& camera, int factor, int max_width);
+
 /// The undistorted view that all views are matched in: it holds what the lens shows, up to
-/// `kMaxTangent` from the axis, at about the resolution of the reduced picture.
+/// 56 degrees from the axis, at about the resolution of the reduced picture.
 class PinholeView {
  public:
   /// For pictures of `camera` reduced by `factor`; `max_width` [px] bounds the finest level.
@@ -33,8 +36,6 @@ class PinholeView {
   void rectify(const Grid<std::uint8_t>& reduced, Grid<std::uint8_t>& out) const;
 
  private:
-  static constexpr float kMaxTangent = 1.5f;  // 56 degrees: beyond, a pinhole wastes its pixels
-
   std::array<PinholeLevel, kLevels> levels_;
   Grid<Eigen::Vector2f> source_;  // of each pixel in the reduced picture [px]; negative: none
 };

@@ -24,7 +24,8 @@ SurfaceMesh reconstructed(const RenderedViews& scene, const DenseSettings& setti
   DenseReconstructor reconstructor(scene.camera, settings, kThreads);
   for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
-  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
+  EXPECT_EQ(reconstructor.reconstruct(indexOf(scene.camera, scene.cloud), kTriangles, mesh, {}),
+            ReconStatus::Ok);
   return mesh;
 }
 
@@ -83,7 +84,8 @@ TEST(DenseReconstructor, GivesTheSameBitsOnAnyNumberOfThreads) {
   for (int threads : {1, 2, 3}) {
     DenseReconstructor reconstructor(scene.camera, {}, threads);
     for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
-    ASSERT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, meshes.emplace_back(), {}),
+    ASSERT_EQ(reconstructor.reconstruct(indexOf(scene.camera, scene.cloud), kTriangles,
+                                        meshes.emplace_back(), {}),
               ReconStatus::Ok);
   }
   for (const SurfaceMesh& mesh : meshes) {
@@ -97,11 +99,13 @@ TEST(DenseReconstructor, KeepsDepthMapsAndFollowsTheMapsUnitOfLength) {
   DenseReconstructor reconstructor(scene.camera, {}, kThreads);
   for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
-  ASSERT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
+  ASSERT_EQ(reconstructor.reconstruct(indexOf(scene.camera, scene.cloud), kTriangles, mesh, {}),
+            ReconStatus::Ok);
   SparseCloud doubled = scene.cloud;
   for (auto& p : doubled.points) p.position *= 2;
   for (auto& T : doubled.views_T_camera_world) T.t *= 2;
-  ASSERT_EQ(reconstructor.reconstruct(doubled, kTriangles, mesh, {}), ReconStatus::Ok);
+  ASSERT_EQ(reconstructor.reconstruct(indexOf(scene.camera, doubled), kTriangles, mesh, {}),
+            ReconStatus::Ok);
   EXPECT_LT(error(mesh, hill, 2), 0.01);
   EXPECT_GT(area(mesh), 4 * 5);
 }
@@ -120,7 +124,8 @@ TEST(DenseReconstructor, SeesMoreFromViewsBetweenAndBesideKeyframes) {
     DenseReconstructor reconstructor(scene.camera, settings, kThreads);
     for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
     SurfaceMesh mesh;
-    const bool ok = reconstructor.reconstruct(c, kTriangles, mesh, {}) == ReconStatus::Ok;
+    const bool ok = reconstructor.reconstruct(indexOf(scene.camera, c), kTriangles, mesh, {}) ==
+                    ReconStatus::Ok;
     return ok ? area(mesh) : 0.f;
   };
   EXPECT_GT(areaFor(cloud), 1.2f * areaFor(keyframes_alone));
@@ -133,10 +138,12 @@ TEST(DenseReconstructor, MakesNoMoreDepthMapsAtATimeThanAllowed) {
   DenseReconstructor reconstructor(scene.camera, settings, kThreads);
   for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
-  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}),
+  EXPECT_EQ(reconstructor.reconstruct(indexOf(scene.camera, scene.cloud), kTriangles, mesh, {}),
             ReconStatus::TooFewPoints);
-  for (int i = 0; i < 3; ++i) (void)reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {});
-  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
+  for (int i = 0; i < 3; ++i)
+    (void)reconstructor.reconstruct(indexOf(scene.camera, scene.cloud), kTriangles, mesh, {});
+  EXPECT_EQ(reconstructor.reconstruct(indexOf(scene.camera, scene.cloud), kTriangles, mesh, {}),
+            ReconStatus::Ok);
 }
 
 TEST(DenseReconstructor, GoesOnWhenPicturesAndDepthMapsAreFull) {
@@ -149,9 +156,10 @@ TEST(DenseReconstructor, GoesOnWhenPicturesAndDepthMapsAreFull) {
   SparseCloud cloud = scene.cloud;
   for (const ViewPicture& picture : scene.pictures) {
     reconstructor.addPicture(picture);
-    (void)reconstructor.reconstruct(cloud, kTriangles, mesh, {});
+    (void)reconstructor.reconstruct(indexOf(scene.camera, cloud), kTriangles, mesh, {});
   }
-  EXPECT_EQ(reconstructor.reconstruct(cloud, kTriangles, mesh, {}), ReconStatus::Ok);
+  EXPECT_EQ(reconstructor.reconstruct(indexOf(scene.camera, cloud), kTriangles, mesh, {}),
+            ReconStatus::Ok);
   EXPECT_LT(error(mesh, hill), 0.04);  // 1 % of the distance
 }
 
@@ -165,7 +173,8 @@ TEST(DenseReconstructor, MakesVoxelsLargerWhereTheSurfaceWouldNotFit) {
   for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   SurfaceMesh mesh;
   const int limit = static_cast<int>(free / 2);
-  ASSERT_EQ(reconstructor.reconstruct(scene.cloud, limit, mesh, {}), ReconStatus::Ok);
+  ASSERT_EQ(reconstructor.reconstruct(indexOf(scene.camera, scene.cloud), limit, mesh, {}),
+            ReconStatus::Ok);
   EXPECT_LE(mesh.triangles.size(), free / 2);
 }
 
@@ -173,15 +182,19 @@ TEST(DenseReconstructor, NeedsPicturesAndStopsWhenAsked) {
   const RenderedViews scene = renderViews(flat, 4);
   DenseReconstructor reconstructor(scene.camera, {}, kThreads);
   SurfaceMesh mesh;
-  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}),
+  EXPECT_EQ(reconstructor.reconstruct(indexOf(scene.camera, scene.cloud), kTriangles, mesh, {}),
             ReconStatus::TooFewPoints);
-  EXPECT_EQ(reconstructor.reconstruct({}, kTriangles, mesh, {}), ReconStatus::TooFewPoints);
+  const SparseCloud empty;
+  EXPECT_EQ(reconstructor.reconstruct(indexOf(scene.camera, empty), kTriangles, mesh, {}),
+            ReconStatus::TooFewPoints);
   for (const ViewPicture& picture : scene.pictures) reconstructor.addPicture(picture);
   std::stop_source source;
   source.request_stop();
-  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, source.get_token()),
+  EXPECT_EQ(reconstructor.reconstruct(indexOf(scene.camera, scene.cloud), kTriangles, mesh,
+                                      source.get_token()),
             ReconStatus::Cancelled);
-  EXPECT_EQ(reconstructor.reconstruct(scene.cloud, kTriangles, mesh, {}), ReconStatus::Ok);
+  EXPECT_EQ(reconstructor.reconstruct(indexOf(scene.camera, scene.cloud), kTriangles, mesh, {}),
+            ReconStatus::Ok);
 }
 
 double cpuMs(clockid_t clock) {
@@ -214,8 +227,8 @@ TEST(DenseReconstructor, StopsWithinFiftyMillisecondsWhereverItIs) {
       source.request_stop();
     });
     SurfaceMesh mesh;
-    const ReconStatus status =
-        reconstructor.reconstruct(scene.cloud, kTriangles, mesh, source.get_token());
+    const ReconStatus status = reconstructor.reconstruct(indexOf(scene.camera, scene.cloud),
+                                                         kTriangles, mesh, source.get_token());
     const double stopped = cpuMs(clock);
     stopper.request_stop();
     stopper.join();

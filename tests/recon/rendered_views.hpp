@@ -2,6 +2,9 @@
 #include <cmath>
 #include <vector>
 
+#include "recon/dense/cloud_index.hpp"
+#include "recon/dense/dense_settings.hpp"
+#include "recon/dense/sightings.hpp"
 #include "recon/dense/view_picture.hpp"
 #include "synthetic_cloud.hpp"
 #include "types/camera_model.hpp"
@@ -14,6 +17,11 @@ struct RenderedViews {
   std::vector<ViewPicture> pictures;
   SparseCloud cloud;
 };
+
+/// Who sees what of the cloud, which must stay.
+inline CloudIndex indexOf(const CameraModel& camera, const SparseCloud& cloud) {
+  return {cloud, sightingsOfAllViews(cloud, finestLevel(camera, 1, DenseSettings{}.picture_width))};
+}
 
 /// Smooth noise of about 0.05 in size, 0..1.
 inline float texture(float x, float y) {

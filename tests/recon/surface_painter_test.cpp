@@ -66,7 +66,7 @@ class Scene {
     std::sort(cloud.sightings.begin(), cloud.sightings.end(), [](auto a, auto b) {
       return std::pair(a.point, a.view) < std::pair(b.point, b.view);
     });
-    painter_.paint(cloud, mesh);
+    painter_.paint(CloudIndex(cloud, cloud.sightings), mesh);
   }
   /// The colour of the vertex nearest to a place of the plane.
   Rgb at(float x, float y) const {
@@ -171,7 +171,8 @@ TEST(SurfacePainter, WithoutPicturesThereAreNoColours) {
   scene.mesh.colors.assign(3, {});
   scene.paint();
   EXPECT_TRUE(scene.mesh.colors.empty());
-  SurfacePainter(CameraModel(), 4).paint(scene.cloud, scene.mesh);
+  SurfacePainter(CameraModel(), 4)
+      .paint(CloudIndex(scene.cloud, scene.cloud.sightings), scene.mesh);
   EXPECT_TRUE(scene.mesh.colors.empty());
 }
 

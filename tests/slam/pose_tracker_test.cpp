@@ -82,7 +82,7 @@ TEST(PoseTracker, PointsThatDoNotStandStillLoseTrust) {
     for (int f = 0; f < s.frame.features.size(); ++f) {
       if (!moves(s.ids[f])) continue;
       Keypoint& k = s.frame.features.keypoints[f];
-      k.ux += (s.ids[f] / 4 + i) % 2 == 0 ? 2.f * k.sigma : -2.f * k.sigma;
+      k.ux += (s.ids[f] / 4 + i) % 2 == 0 ? 2.5f * k.sigma : -2.5f * k.sigma;
     }
     s.frame.features.grid.build(s.frame.features.keypoints);
     ASSERT_GT(s.tracker.trackLocalMap(s.frame), 100);

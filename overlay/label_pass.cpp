@@ -13,7 +13,8 @@ using Eigen::Vector2f;
 
 constexpr Color kBright{0.98f, 0.98f, 0.94f, 1};
 constexpr Color kDark{0.03f, 0.03f, 0.05f, 0.65f};
-constexpr double kTextFade_s = 0.2;  // of a text that changed its place
+constexpr double kTextFade_s = 0.2;  // of a text that changes its place, from one to the other
+constexpr float kDot_px = 3.2f;      // radius, in pictures of 480 lines
 
 }  // namespace
 
@@ -64,42 +65,57 @@ void LabelPass::draw(const Pose& T_camera_world, std::uint32_t map_id, double ti
 
   for (std::size_t k = 0; k < items_.size(); ++k) {
     const std::size_t i = item_label_[k];
+    const LabelItem& item = items_[k];
     Placement& placement = placements_[i];
-    const bool had_place = placement.slot >= 0;
-    if (items_[k].slot != placement.slot) placement = {items_[k].slot, had_place ? time_s : -1};
+    if (item.slot != placement.slot) {
+      const bool had_place = placement.slot >= 0;
+      placement.slot_before = placement.slot;
+      placement.offset_before = placement.offset;
+      placement.slot = item.slot;
+      placement.since_s = had_place ? time_s : -1;
+    }
+    placement.offset = item.top_left - item.anchor;
     const bool fading = time_s >= 0 && placement.since_s >= 0 && time_s >= placement.since_s;
-    const double shown = fading ? std::min((time_s - placement.since_s) / kTextFade_s, 1.0) : 1.0;
-    drawLabel(items_[k], depths_[k], atlas.spot(static_cast<int>(i)), static_cast<float>(shown),
-              ink);
+    const auto shown =
+        static_cast<float>(fading ? std::min((time_s - placement.since_s) / kTextFade_s, 1.0) : 1);
+    const TextSpot& spot = atlas.spot(static_cast<int>(i));
+    if (placement.slot_before >= 0)
+      drawText(item, item.anchor + placement.offset_before, depths_[k], spot, 1 - shown, ink);
+    if (placement.slot >= 0) drawText(item, item.top_left, depths_[k], spot, shown, ink);
+    drawDot(item.anchor, depths_[k], ink);
   }
 }
 
-void LabelPass::drawLabel(const LabelItem& item, float depth, const TextSpot& spot,
-                          float text_alpha, Ink& ink) const {
+float LabelPass::unit() const {
+  return std::max(1.0f, static_cast<float>(camera_.height) / 480.0f);
+}
+
+void LabelPass::drawText(const LabelItem& item, const Vector2f& top_left, float depth,
+                         const TextSpot& spot, float alpha, Ink& ink) const {
+  if (!(alpha > 0)) return;
+  const Anchor anchor{item.anchor, depth, Anchor::WhenHidden::Dimmed};
+  const Vector2f low = top_left, high = top_left + item.size;
+  const Vector2f end =
+      item.anchor.cwiseMax(low + 0.12f * item.size).cwiseMin(high - 0.12f * item.size);
+  const Vector2f along = end - item.anchor;
+  const Vector2f start =
+      item.anchor + along * std::min(1.0f, 1.4f * kDot_px * unit() / std::max(along.norm(), 1e-3f));
+  // The leader ends where the text's box begins.
+  const Vector2f inside = (end - low).cwiseMin(high - end);
+  const Vector2f stop = end - along.normalized() * std::min(inside.minCoeff() * 0.4f, along.norm());
+  ink.line(start, stop, 3.2f * unit(), kDark.withAlpha(kDark.a * alpha), anchor, 7 * unit());
+  ink.line(start, stop, 1.4f * unit(), kBright.withAlpha(0.9f * alpha), anchor, 7 * unit());
+  ink.text(top_left, spot, kBright.withAlpha(alpha), anchor);
+}
+
+void LabelPass::drawDot(const Vector2f& at, float depth, Ink& ink) const {
   using When = Anchor::WhenHidden;
-  const Anchor anchor{item.anchor, depth, When::Dimmed};
-  const float unit = std::max(1.0f, static_cast<float>(camera_.height) / 480.0f);
-  const float dot = 3.2f * unit;
-  if (item.slot >= 0 && text_alpha > 0) {
-    const Vector2f low = item.top_left, high = item.top_left + item.size;
-    const Vector2f end =
-        item.anchor.cwiseMax(low + 0.12f * item.size).cwiseMin(high - 0.12f * item.size);
-    const Vector2f along = end - item.anchor;
-    const Vector2f start =
-        item.anchor + along * std::min(1.0f, 1.4f * dot / std::max(along.norm(), 1e-3f));
-    // The leader ends where the text's box begins.
-    const Vector2f inside = (end - low).cwiseMin(high - end);
-    const Vector2f stop =
-        end - along.normalized() * std::min(inside.minCoeff() * 0.4f, along.norm());
-    ink.line(start, stop, 3.2f * unit, kDark.withAlpha(kDark.a * text_alpha), anchor, 7 * unit);
-    ink.line(start, stop, 1.4f * unit, kBright.withAlpha(0.9f * text_alpha), anchor, 7 * unit);
-    ink.text(item.top_left, spot, kBright.withAlpha(text_alpha), anchor);
-  }
-  ink.disc(item.anchor, dot + 1.2f * unit, kDark, anchor.but(When::Gone));
-  ink.disc(item.anchor, dot, kBright, anchor.but(When::Gone));
-  ink.ring(item.anchor, dot + 1.8f * unit, 3.4f * unit, kDark, anchor.but(When::OnlyThen));
-  ink.ring(item.anchor, dot + 0.8f * unit, 1.4f * unit, kBright.withAlpha(0.75f),
-           anchor.but(When::OnlyThen));
+  const Anchor shown{at, depth, When::Gone}, hidden = shown.but(When::OnlyThen);
+  const float dot = kDot_px * unit();
+  ink.disc(at, dot + 1.2f * unit(), kDark, shown);
+  ink.disc(at, dot, kBright, shown);
+  ink.ring(at, dot + 1.8f * unit(), 3.4f * unit(), kDark, hidden);
+  ink.ring(at, dot + 0.8f * unit(), 1.4f * unit(), kBright.withAlpha(0.75f), hidden);
 }
 
 }  // namespace depthscope::overlay

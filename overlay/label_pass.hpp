@@ -28,12 +28,17 @@ class LabelPass {
             std::span<const Eigen::AlignedBox2f> obstacles, Ink& ink);
 
  private:
+  /// Where a label's text is, and was before: slots of placeLabels(), -1 for none, and the text's
+  /// upper left corner from the anchor [px].
   struct Placement {
-    int slot = -1;
+    int slot = -1, slot_before = -1;
+    Eigen::Vector2f offset = Eigen::Vector2f::Zero(), offset_before = Eigen::Vector2f::Zero();
     double since_s = -1;  // it is in this slot
   };
-  void drawLabel(const LabelItem& item, float depth, const TextSpot& spot, float text_alpha,
-                 Ink& ink) const;
+  float unit() const;  // a pixel of a picture of 480 lines [px]
+  void drawText(const LabelItem& item, const Eigen::Vector2f& top_left, float depth,
+                const TextSpot& spot, float alpha, Ink& ink) const;
+  void drawDot(const Eigen::Vector2f& at, float depth, Ink& ink) const;
 
   CameraModel camera_;
   double max_radius_;

@@ -72,6 +72,27 @@ TEST(CompositorLabels, OneBehindTheSurfaceIsDimmedAndItsDotHollow) {
   EXPECT_NE(hidden.bytes, drawn(51).bytes);
 }
 
+TEST(CompositorLabels, ATextThatTurnsSidesCanBeReadAllTheWhile) {
+  Compositor compositor(testCamera(), labelSettings());
+  const Label one = label({0, 0, 50});
+  compositor.setLabels(std::span(&one, 1));
+  OverlayState state = tracking();
+  state.time_s = 1;
+  const auto brightness = [&] {
+    const Image layer = layerOf(compositor, state);
+    double sum = 0;
+    for (int y = kBelowMark; y < 240; ++y)
+      for (int x = 0; x < 320; ++x) sum += layer.luminance(x, y);
+    return sum;
+  };
+  const double in_place = brightness();
+  for (int i = 1; i <= 50; ++i) {  // 2.6 pixels each, to 30 from the right edge
+    state.time_s = 1 + i / 30.0;
+    state.T_camera_world.t.x() = 0.5 * i;
+    EXPECT_NEAR(brightness(), in_place, 0.25 * in_place) << "picture " << i;
+  }
+}
+
 TEST(CompositorLabels, WhatIsNotInViewIsNotDrawn) {
   Compositor compositor(testCamera(), labelSettings());
   const Label all[] = {label({0, 0, -50}, 1),

@@ -177,10 +177,13 @@ int PoseTracker::foundByChance(const TrackedFrame& frame) {
   return found / static_cast<int>(places.size());
 }
 
-void PoseTracker::lookUpPoints(const TrackedFrame& frame) {
+void PoseTracker::lookUpPoints(TrackedFrame& frame) {
   for (int f = 0; f < frame.features.size(); ++f) {
     const PointId p = map_.resolve(frame.points[f]);
-    if (p == kNone) continue;
+    if (p == kNone) {
+      frame.points[f] = {};
+      continue;
+    }
     position_[f] = map_.point(p).position;
     weight_[f] = map_.point(p).poseWeight();
   }

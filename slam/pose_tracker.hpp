@@ -65,7 +65,8 @@ class PoseTracker {
   void projectLastFrame(const TrackedFrame& last, double radius_px, const Pose& T_camera_world);
   /// `all`: those, too, that the frame has already.
   void projectLocalMap(const Pose& T_camera_world, double search_scale, bool all = false);
-  void lookUpPoints(const TrackedFrame& frame);
+  /// Where the frame's points are and what they weigh; those that are gone are taken from it.
+  void lookUpPoints(TrackedFrame& frame);
   int optimize(TrackedFrame& frame);
   void shareWeights();
   void countSightings(const TrackedFrame& frame);

@@ -97,6 +97,26 @@ TEST(PoseTracker, PointsThatDoNotStandStillLoseTrust) {
   }
 }
 
+/// The mapper may take points away while a frame is tracked.
+TEST(PoseTracker, PointsThatAreGoneFromTheMapAreTakenFromTheFrame) {
+  const World world(300);
+  SeenWorld s(world);
+  s.look();
+  ASSERT_GT(s.tracker.trackLocalMap(s.frame), 100);
+  const auto has_point = [&](int f) { return s.frame.points[f].id != kNone; };
+  int removed = 0;
+  for (int f = 0; f < s.frame.features.size() && removed < 20; ++f)
+    if (has_point(f)) s.mapped.map.removePoint(s.frame.points[f].id), ++removed;
+  const auto count = [&] {
+    int n = 0;
+    for (int f = 0; f < s.frame.features.size(); ++f) n += has_point(f);
+    return n;
+  };
+  const int before = count();
+  EXPECT_EQ(s.tracker.trackOwnPoints(s.frame), before - removed);
+  EXPECT_EQ(count(), before - removed);
+}
+
 /// An instrument over a part of the picture, some of whose points were mapped while it lay still.
 TEST(PoseTracker, WhatIsKnownForLongHoldsThePoseWhereNewPointsMoveTogether) {
   const auto off = [](float residual_of_known) {

@@ -8,12 +8,12 @@
 #include <string>
 #include <utility>
 
-#include "recon/dense/cloud_index.hpp"
+#include "recon/cloud_index.hpp"
 #include "recon/dense/dense_reconstructor.hpp"
-#include "recon/dense/sightings.hpp"
 #include "recon/mls_smoothing.hpp"
 #include "recon/point_filters.hpp"
 #include "recon/poisson_surface.hpp"
+#include "recon/sightings.hpp"
 #include "recon/surface_painter.hpp"
 #include "recon/surface_trimming.hpp"
 #include "types/error.hpp"

@@ -2,8 +2,8 @@
 #include <optional>
 #include <vector>
 
+#include "recon/cloud_index.hpp"
 #include "recon/color_gallery.hpp"
-#include "recon/dense/cloud_index.hpp"
 #include "recon/dense/pinhole_view.hpp"
 #include "types/camera_model.hpp"
 #include "types/surface_mesh.hpp"

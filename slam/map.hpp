@@ -42,12 +42,12 @@ struct MapPoint {
   std::int32_t visible = 0, found = 0;       // frames in which it should have been, and was, seen
   std::int32_t observation_count = 0;
   // Mean of its squared reprojection errors over their variance, in the frames of late in which it
-  // was recognised. On still tissue it is 0.8 (corners lie within 0.44 px, keypoint_sigma_px is
-  // 0.7), give or take as much.
+  // was recognised. The noise of corners makes 0.8 of it (they lie within 0.44 px,
+  // keypoint_sigma_px is 0.7), give or take as much.
   // A new point starts with what a moving one has, for an instrument that moves slowly looks still:
   // until a point has stayed put for half a second, those that have count for more. With a textured
   // instrument that moves over a quarter of the picture the path went with it before (of a sweep, a
-  // hovering scope: 16 and 52 mm off), now it is the tissue's (0.7, 0.2).
+  // hovering scope: 16 and 52 mm off), now it is the tissue's (0.7, 0.3).
   float residual = 6;
   /// Weight in bundle adjustment, 0..1: less for what moves, breathes or is an instrument. At the
   /// end of a clip half of the points lie above 1.7 (rendered tissue, still or breathing) to 2.9

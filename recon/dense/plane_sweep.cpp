@@ -124,7 +124,7 @@ void weaveFour(std::size_t n, const std::uint8_t* __restrict a, const std::uint8
         static_cast<std::uint32_t>(c[i]) << 16 | static_cast<std::uint32_t>(d[i]) << 24;
     std::memcpy(at, &four, sizeof four);
   };
-  if (stride == sizeof(std::uint32_t))
+  if (stride == sizeof(std::uint32_t))  // for vectors
     for (std::size_t i = 0; i < n; ++i) weave(i, to + i * sizeof(std::uint32_t));
   else
     for (std::size_t i = 0; i < n; ++i) weave(i, to + i * stride);

@@ -2,7 +2,7 @@
 #include <functional>
 #include <vector>
 
-#include "recon/dense/cloud_index.hpp"
+#include "recon/cloud_index.hpp"
 
 namespace depthscope::recon {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "recon/dense/cloud_index.hpp"
+#include "recon/cloud_index.hpp"
 #include "recon/dense/depth_map.hpp"
 #include "recon/dense/rectified_picture.hpp"
 

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <vector>
 
-#include "recon/dense/cloud_index.hpp"
+#include "recon/cloud_index.hpp"
 #include "recon/dense/dense_settings.hpp"
-#include "recon/dense/sightings.hpp"
 #include "recon/dense/view_picture.hpp"
+#include "recon/sightings.hpp"
 #include "synthetic_cloud.hpp"
 #include "types/camera_model.hpp"
 

@@ -1,4 +1,4 @@
-#include "recon/dense/sightings.hpp"
+#include "recon/sightings.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "recon/dense/cloud_index.hpp"
+#include "recon/cloud_index.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,14 @@ struct BaObservation {
   Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  // undistorted [px]
   float inv_sigma2 = 1;                             // [1/px^2], times the trust in the point
   bool inlier = true;                               // in: takes part; out: verdict
+  // By how much the pixel is seen off when a parameter that all observations share is off by one.
+  Eigen::Vector2f shift = Eigen::Vector2f::Zero();  // [px / unit of the parameter]
+};
+
+/// By how much a parameter that all observations share is off: what is to be added to it, and the
+/// standard deviation of that.
+struct BaShared {
+  double offset = 0, sigma = 0;
 };
 
 struct BaSettings {
@@ -65,6 +74,11 @@ class BundleAdjuster {
   BaSummary solve(const Intrinsics& camera, const BaSettings& settings = {},
                   const std::atomic<bool>* stop = nullptr);
 
+  /// After solve(): how far the parameter behind BaObservation::shift is from where the
+  /// observations want it, poses and points being free to go along; nothing when they do not say.
+  /// Adjusts nothing.
+  std::optional<BaShared> estimateShared(const Intrinsics& camera, const BaSettings& settings = {});
+
   std::span<BaPose> poses() { return poses_; }
   std::span<Eigen::Vector3d> points() { return points_; }
   std::span<BaObservation> observations() { return observations_; }
@@ -79,6 +93,7 @@ class BundleAdjuster {
     double inv_sigma2;
     std::int32_t pose;
     std::int32_t block;  // free pose index, -1: fixed
+    Eigen::Vector2f shift;
   };
   struct PointBlock {
     Eigen::Matrix3d H;      // sum of J^T W J over its observations
@@ -92,6 +107,7 @@ class BundleAdjuster {
   bool computeStep(double lambda);
   void eliminatePoint(int point, double lambda);
   void backSubstitute();
+  void borderPoint(const Intrinsics& camera, double huber_delta, int point);
   double predictedDecrease(double lambda) const;
   void applyStep();
   double cost(const Intrinsics& camera, double huber_delta, std::span<const BaPose> poses,
@@ -113,6 +129,9 @@ class BundleAdjuster {
   std::vector<Vector6d> pose_b_, pose_step_;
   std::vector<Matrix63> eliminated_;  // scratch, for the observations of one point
   BlockCholesky reduced_;             // camera system
+  // The row that the shared parameter adds to it, points eliminated.
+  std::vector<Vector6d> border_, border_solved_;  // per free pose
+  double border_H_ = 0, border_b_ = 0;
 };
 
 }  // namespace depthscope::slam

@@ -17,6 +17,7 @@ GlobalBundle::GlobalBundle(const SlamSettings& settings, Map& map, BundleAdjuste
   points_.reserve(settings.capacity.map_points);
   chosen_.resize(settings.capacity.map_points);
   ranked_.reserve(settings.extractor.features);
+  twists_.resize(keyframes);
   T_new_old_.resize(keyframes);
   depth_old_.resize(keyframes);
   depth_new_.resize(keyframes);
@@ -29,9 +30,20 @@ BaSummary GlobalBundle::adjust(std::uint32_t map_id, int iterations,
   settings.max_iterations = iterations;
   const BaSummary summary = adjuster_.solve(map_.intrinsics(), settings, stop);
   if (summary.end == BaSummary::End::Failed || summary.iterations == 0) return summary;
+  if (summary.end != BaSummary::End::Stopped) correctShutter();
   keepScale();
   writeBack(map_id, summary.end != BaSummary::End::Stopped);
   return summary;
+}
+
+void GlobalBundle::estimateReadout(std::uint32_t map_id) {
+  gather(map_id);
+  correctShutter();
+}
+
+void GlobalBundle::correctShutter() {
+  if (const auto readout = adjuster_.estimateShared(map_.intrinsics()))
+    map_.shutter().correct(readout->offset, readout->sigma);
 }
 
 void GlobalBundle::gather(std::uint32_t map_id) {
@@ -42,6 +54,7 @@ void GlobalBundle::gather(std::uint32_t map_id) {
   for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k) {
     if (!map_.keyframe(k).alive || map_.keyframe(k).map_id != map_id) continue;
     pose_index_[k] = adjuster_.addPose(map_.keyframe(k).T_camera_world, false);
+    twists_[keyframes_.size()] = map_.twistOf(k);
     keyframes_.push_back(k);
   }
   fixOldest();
@@ -114,9 +127,18 @@ bool GlobalBundle::choose(PointId p) {
   points_.push_back(p);
   const float trust = map_.trustOf(p);
   for (const Observation& o : observations) {
-    const Keypoint& k = map_.keyframe(o.keyframe).features.keypoints[o.feature];
-    adjuster_.addObservation(
-        {pose_index_[o.keyframe], index, {k.ux, k.uy}, trust / (k.sigma * k.sigma), true});
+    const int pose = pose_index_[o.keyframe];
+    const Keyframe& view = map_.keyframe(o.keyframe);
+    const Keypoint& k = view.features.keypoints[o.feature];
+    const Eigen::Vector3d p_camera = view.T_camera_world * map_.point(p).position;
+    const RollingShutter& shutter = map_.shutter();
+    BaObservation added;
+    added.pose = pose;
+    added.point = index;
+    added.pixel = shutter.atMiddleRow(k, twists_[pose], p_camera).cast<float>();
+    added.inv_sigma2 = trust / (k.sigma * k.sigma);
+    added.shift = shutter.motionInReadout(k.y, twists_[pose], p_camera).cast<float>();
+    adjuster_.addObservation(added);
   }
   return true;
 }

@@ -21,8 +21,12 @@ class GlobalBundle {
   /// early when `stop` becomes true, and keeps what has been gained; observations found to be
   /// outliers are removed only when it has not been stopped.
   BaSummary adjust(std::uint32_t map_id, int iterations, const std::atomic<bool>* stop);
+  /// Tells the map's shutter what the map, as it is, says of its readout; adjust() does, too,
+  /// unless it is stopped.
+  void estimateReadout(std::uint32_t map_id);
 
  private:
+  void correctShutter();
   void gather(std::uint32_t map_id);
   void choosePoints();
   bool choosePointsOf(KeyframeId keyframe, int quota);
@@ -42,6 +46,7 @@ class GlobalBundle {
   std::vector<PointId> points_;                // per point of the problem
   std::vector<std::uint8_t> chosen_;           // per map point
   std::vector<PointId> ranked_;                // of one keyframe, the best observed first
+  std::vector<Twist> twists_;                  // per pose of the problem
   std::vector<Sim3> T_new_old_;                // per pose of the problem
   std::vector<double> depth_old_, depth_new_;  // per pose of the problem, summed over its points
 };

@@ -9,6 +9,7 @@ LocalBundle::LocalBundle(const SlamSettings& settings, Map& map, BundleAdjuster&
     : map_(map), max_fixed_(settings.mapper.window_fixed), adjuster_(adjuster) {
   const int keyframes = settings.capacity.keyframes;
   pose_index_.resize(keyframes);
+  twists_.resize(keyframes);
   shared_.resize(keyframes);
   keyframes_.reserve(keyframes);
   outside_.reserve(keyframes);
@@ -89,16 +90,23 @@ void LocalBundle::chooseFixed() {
 }
 
 void LocalBundle::addObservations() {
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) twists_[i] = map_.twistOf(keyframes_[i]);
   for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Eigen::Vector3d& position = map_.point(points_[i]).position;
     const float trust = map_.trustOf(points_[i]);
     for (const Observation& o : map_.observations(points_[i])) {
-      if (pose_index_[o.keyframe] == kNone) continue;
-      const Keypoint& k = map_.keyframe(o.keyframe).features.keypoints[o.feature];
-      adjuster_.addObservation({pose_index_[o.keyframe],
-                                static_cast<int>(i),
-                                {k.ux, k.uy},
-                                trust / (k.sigma * k.sigma),
-                                true});
+      const int pose = pose_index_[o.keyframe];
+      if (pose == kNone) continue;
+      const Keyframe& view = map_.keyframe(o.keyframe);
+      const Keypoint& k = view.features.keypoints[o.feature];
+      BaObservation added;
+      added.pose = pose;
+      added.point = static_cast<int>(i);
+      added.pixel = map_.shutter()
+                        .atMiddleRow(k, twists_[pose], view.T_camera_world * position)
+                        .cast<float>();
+      added.inv_sigma2 = trust / (k.sigma * k.sigma);
+      adjuster_.addObservation(added);
     }
   }
 }

@@ -30,6 +30,7 @@ class LocalBundle {
   int max_fixed_;
   BundleAdjuster& adjuster_;           // big enough for the window and what is held fixed around it
   std::vector<int> pose_index_;        // per keyframe, kNone: not in the problem
+  std::vector<Twist> twists_;          // per pose of the problem
   std::vector<int> shared_;            // per keyframe: observations of the gathered points
   std::vector<KeyframeId> keyframes_;  // per pose of the problem
   std::vector<KeyframeId> outside_;    // candidates for fixed poses

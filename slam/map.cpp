@@ -12,6 +12,7 @@ constexpr int kMaxObservations = 64;  // upper limit of the setting, for scratch
 
 Map::Map(const SlamSettings& settings, const CameraModel& camera)
     : intrinsics_{camera.fx, camera.fy, camera.cx, camera.cy},
+      shutter_(camera),
       keyframes_(settings.capacity.keyframes),
       points_(settings.capacity.map_points),
       observations_per_point_(std::min(settings.capacity.observations_per_point, kMaxObservations)),
@@ -70,6 +71,7 @@ KeyframeId Map::addKeyframe(const FeatureSet& features, const Pose& T_camera_wor
   k.frame = frame;
   k.timestamp_s = timestamp_s;
   k.T_camera_world = T_camera_world;
+  k.twist = {};
   k.unit = 1;
   k.features = features;  // equal capacities: copied without allocating
   k.points.assign(features.size(), kNone);
@@ -246,8 +248,11 @@ double Map::medianDepth(KeyframeId id) {
 }
 
 void Map::rescale(double factor) {
-  for (Keyframe& k : keyframes_)
-    if (k.alive && k.map_id == active_id_) k.T_camera_world.t *= factor;
+  for (Keyframe& k : keyframes_) {
+    if (!k.alive || k.map_id != active_id_) continue;
+    k.T_camera_world.t *= factor;
+    k.twist.v *= factor;
+  }
   for (MapPoint& p : points_) {
     if (!p.alive || p.map_id != active_id_) continue;
     p.position *= factor;
@@ -259,6 +264,7 @@ void Map::rescale(double factor) {
 void Map::moveKeyframe(KeyframeId id, const Sim3& T_new_old) {
   Keyframe& k = keyframes_[id];
   k.T_camera_world = T_new_old.moved(k.T_camera_world);
+  k.twist.v *= T_new_old.s;
   k.unit *= T_new_old.s;
 }
 

@@ -6,6 +6,7 @@
 
 #include "slam/features.hpp"
 #include "slam/projection.hpp"
+#include "slam/rolling_shutter.hpp"
 #include "slam/sim3.hpp"
 #include "slam/slam_settings.hpp"
 #include "types/pose.hpp"
@@ -71,8 +72,9 @@ struct Keyframe {
   std::int64_t serial = 0;   // order of creation, never reused
   std::int64_t frame = 0;
   double timestamp_s = 0;
-  Pose T_camera_world;
-  double unit = 1;  // product of all factors by which lengths around it have grown since
+  Pose T_camera_world;  // at the time of the middle row
+  Twist twist;          // then; written by the tracker, too, under the mutex
+  double unit = 1;      // product of all factors by which lengths around it have grown since
   FeatureSet features;
   std::vector<PointId> points;  // per feature, kNone where it observes none
 };
@@ -87,7 +89,7 @@ class Map {
  public:
   Map(const SlamSettings& settings, const CameraModel& camera);
 
-  std::mutex mutex;
+  mutable std::mutex mutex;
   /// Held, and locked before `mutex`, by whom moves the world under the tracker (correctWorld) and
   /// by the tracker while it goes from one pose to the next.
   std::mutex world_mutex;
@@ -123,9 +125,15 @@ class Map {
   void refreshGeometry(PointId id);
 
   /// MapPoint::trust() for the writer. Takes the mutex.
-  float trustOf(PointId id) {
+  float trustOf(PointId id) const {
     const std::lock_guard lock(mutex);
     return points_[id].trust();
+  }
+
+  /// Keyframe::twist for the writer. Takes the mutex.
+  Twist twistOf(KeyframeId id) const {
+    const std::lock_guard lock(mutex);
+    return keyframes_[id].twist;
   }
 
   std::span<const Observation> observations(PointId id) const;
@@ -147,6 +155,8 @@ class Map {
   /// One past the largest slot ever used; live ids are below it.
   int pointEnd() const { return point_end_; }
   const Intrinsics& intrinsics() const { return intrinsics_; }
+  RollingShutter& shutter() { return shutter_; }
+  const RollingShutter& shutter() const { return shutter_; }
 
   /// Votes: into `votes[k]` the number of points that `id` shares with keyframe k (size
   /// keyframeCapacity()).
@@ -185,6 +195,7 @@ class Map {
   void dropObservation(PointId point, KeyframeId keyframe);
 
   Intrinsics intrinsics_;
+  RollingShutter shutter_;
   std::uint32_t active_id_ = 0, last_id_ = 0;
   Sim3 correction_;
   int corrections_ = 0;

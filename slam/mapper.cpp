@@ -61,13 +61,14 @@ bool Mapper::idle() const {
 
 bool Mapper::submit(const FeatureSet& features, std::span<const PointRef> points,
                     const Pose& T_camera_world, const Sim3& correction, std::int64_t frame,
-                    double timestamp_s) {
+                    double timestamp_s, const Twist& twist) {
   {
     const std::lock_guard lock(queue_mutex_);
     if (has_waiting_) return false;
     waiting_.features = features;
     waiting_.points.assign(points.begin(), points.end());
     waiting_.T_camera_world = T_camera_world;
+    waiting_.twist = twist;
     waiting_.correction = correction;
     waiting_.frame = frame;
     waiting_.timestamp_s = timestamp_s;
@@ -180,9 +181,13 @@ void Mapper::recognizePlace(KeyframeId id) {
 /// to what it saw long ago, old and new pull at each other from beyond every window.
 void Mapper::planWholeMap(std::uint32_t map_id) {
   const int every = settings_.mapper.whole_map_every;
-  if (++since_whole_map_ < every || every == 0 || steps_left_ > 0 ||
-      map_.keyframesOf(map_id) <= settings_.mapper.window_keyframes)
+  if (++since_whole_map_ < every || every == 0 || steps_left_ > 0) return;
+  const int keyframes = map_.keyframesOf(map_id);
+  if (keyframes <= settings_.mapper.window_keyframes) {
+    since_whole_map_ = 0;
+    if (keyframes >= every) global_bundle_.estimateReadout(map_id);
     return;
+  }
   unadjusted_map_ = map_id;
   steps_left_ = kWholeMapSteps;
 }
@@ -203,6 +208,7 @@ KeyframeId Mapper::insert(const KeyframeRequest& request) {
   const KeyframeId id =
       map_.addKeyframe(request.features, T_now_request.moved(request.T_camera_world), request.frame,
                        request.timestamp_s);
+  map_.keyframe(id).twist = {request.twist.w, T_now_request.s * request.twist.v};
   database_.add(map_, id);
   records_.views.becameKeyframe(map_, request.frame, id);
   for (int f = 0; f < request.features.size(); ++f) {

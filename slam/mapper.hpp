@@ -23,6 +23,7 @@ struct KeyframeRequest {
   FeatureSet features;
   std::vector<PointRef> points;  // per feature
   Pose T_camera_world;
+  Twist twist;
   Sim3 correction;  // Map::correction() when it was made
   std::int64_t frame = 0;
   double timestamp_s = 0;
@@ -44,7 +45,7 @@ class Mapper {
   /// Threaded: false when one is waiting already; a bundle adjustment in progress is cut short.
   bool submit(const FeatureSet& features, std::span<const PointRef> points,
               const Pose& T_camera_world, const Sim3& correction, std::int64_t frame,
-              double timestamp_s);
+              double timestamp_s, const Twist& twist = {});
   /// After the initializer has made a map: adjusts it and starts to look after its points. Call
   /// while idle.
   void adoptInitialMap();

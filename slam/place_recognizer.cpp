@@ -146,14 +146,17 @@ void PlaceRecognizer::addMatch(PointId before, KeyframeId preferred, KeyframeId 
   const Keypoint& ko = old_view.features.keypoints[seen->feature];
   const Keypoint& kn = new_view.features.keypoints[feature];
   sim3_matches_.push_back({map_.point(before).position,
-                           map_.point(new_view.points[feature]).position,
-                           old_view.T_camera_world,
-                           new_view.T_camera_world,
-                           {ko.ux, ko.uy},
-                           {kn.ux, kn.uy},
-                           1 / (ko.sigma * ko.sigma),
-                           1 / (kn.sigma * kn.sigma),
-                           true});
+                           map_.point(new_view.points[feature]).position, old_view.T_camera_world,
+                           new_view.T_camera_world, atMiddleRow(seen->keyframe, ko, before),
+                           atMiddleRow(now, kn, new_view.points[feature]),
+                           1 / (ko.sigma * ko.sigma), 1 / (kn.sigma * kn.sigma), true});
+}
+
+Eigen::Vector2d PlaceRecognizer::atMiddleRow(KeyframeId keyframe, const Keypoint& seen,
+                                             PointId point) const {
+  return map_.shutter().atMiddleRow(
+      seen, map_.twistOf(keyframe),
+      map_.keyframe(keyframe).T_camera_world * map_.point(point).position);
 }
 
 void PlaceRecognizer::collectWindow(KeyframeId before) {

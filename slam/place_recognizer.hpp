@@ -49,6 +49,7 @@ class PlaceRecognizer {
   std::optional<PlaceLink> verify(PlaceLink link);
   void matchPoints(KeyframeId now, KeyframeId before);
   void addMatch(PointId before, KeyframeId preferred, KeyframeId now, int feature);
+  Eigen::Vector2d atMiddleRow(KeyframeId keyframe, const Keypoint& seen, PointId point) const;
   void collectWindow(KeyframeId before);
   int matchWindow(KeyframeId view, const Sim3& T_before_now, double radius_px, int max_hamming);
   int refineInWindow(const PlaceLink& link, double radius_px, Sim3& T_before_now);

@@ -29,6 +29,8 @@ PointCreator::PointCreator(const SlamSettings& settings, Map& map)
       expected_parallax_(settings.mapper.expected_parallax_deg * kRadiansPerDegree),
       map_(map) {
   const std::size_t n = settings.extractor.features;
+  pixels_a_.reserve(n);
+  pixels_b_.reserve(n);
   free_.reserve(n);
   match_.resize(n);
   claimed_by_.resize(n);
@@ -65,6 +67,8 @@ void PointCreator::createWith(KeyframeId keyframe, KeyframeId neighbour, DepthRa
   const Intrinsics& c = map_.intrinsics();
   Eigen::Matrix3d K_inv;
   K_inv << 1 / c.fx, 0, -c.cx / c.fx, 0, 1 / c.fy, -c.cy / c.fy, 0, 0, 1;
+  toMiddleRow(keyframe, depths.middle, pixels_a_);
+  toMiddleRow(neighbour, depths.middle, pixels_b_);
   const Pair pair{a, b, T_b_a, K_inv.transpose() * skew(T_b_a.t) * T_b_a.R * K_inv};
   matchAlongEpipolarLines(pair, depths);
 
@@ -82,13 +86,26 @@ void PointCreator::createWith(KeyframeId keyframe, KeyframeId neighbour, DepthRa
   }
 }
 
+/// Where the features of a keyframe would be seen if all rows were exposed with the middle one,
+/// were they at `depth`.
+void PointCreator::toMiddleRow(KeyframeId keyframe, double depth,
+                               std::vector<Eigen::Vector2d>& pixels) {
+  const Twist twist = map_.twistOf(keyframe);
+  pixels.clear();
+  for (const Keypoint& k : map_.keyframe(keyframe).features.keypoints) {
+    const Eigen::Vector3d ray = map_.intrinsics().normalize({k.ux, k.uy}).homogeneous();
+    pixels.push_back(map_.shutter().atMiddleRow(k, twist, depth * ray));
+  }
+}
+
 void PointCreator::matchAlongEpipolarLines(const Pair& pair, DepthRange depths) {
   const auto& [a, b, T_b_a, F] = pair;
   free_.clear();
   for (int j = 0; j < b.features.size(); ++j) {
     if (b.points[j] != kNone) continue;
     const Keypoint& k = b.features.keypoints[j];
-    free_.push_back({k.ux, k.uy, static_cast<float>(kChi2OneDof95) * k.sigma * k.sigma, j});
+    const Eigen::Vector2f px = pixels_b_[j].cast<float>();
+    free_.push_back({px.x(), px.y(), static_cast<float>(kChi2OneDof95) * k.sigma * k.sigma, j});
   }
   std::fill(claimed_by_.begin(), claimed_by_.end(), kNone);
   std::fill(match_.begin(), match_.end(), kNone);
@@ -97,12 +114,12 @@ void PointCreator::matchAlongEpipolarLines(const Pair& pair, DepthRange depths) 
 
   for (int i = 0; i < a.features.size(); ++i) {
     if (a.points[i] != kNone) continue;
-    const Keypoint& k = a.features.keypoints[i];
-    const Eigen::Vector3d ray = camera.normalize({k.ux, k.uy}).homogeneous();
+    const Eigen::Vector2d& px = pixels_a_[i];
+    const Eigen::Vector3d ray = camera.normalize(px).homogeneous();
     // The baseline across the ray over the distance along it.
     if (centre_b.cross(ray).norm() < expected_parallax_ * depths.middle * ray.squaredNorm())
       continue;
-    const Eigen::Vector3d line = F * Eigen::Vector3d(k.ux, k.uy, 1);
+    const Eigen::Vector3d line = F * px.homogeneous();
     const float inv_norm = static_cast<float>(1 / line.head<2>().norm());
     const float la = static_cast<float>(line.x()) * inv_norm,
                 lb = static_cast<float>(line.y()) * inv_norm,
@@ -143,14 +160,15 @@ bool PointCreator::accept(const Pair& pair, int feature_a, int feature_b,
   const Keypoint& ka = a.features.keypoints[feature_a];
   const Keypoint& kb = b.features.keypoints[feature_b];
   const Intrinsics& c = map_.intrinsics();
-  const Eigen::Vector2d na = c.normalize({ka.ux, ka.uy}), nb = c.normalize({kb.ux, kb.uy});
+  const Eigen::Vector2d &ua = pixels_a_[feature_a], &ub = pixels_b_[feature_b];
+  const Eigen::Vector2d na = c.normalize(ua), nb = c.normalize(ub);
   if (rayParallaxCosine(a.T_camera_world, na, b.T_camera_world, nb) > max_parallax_cos_)
     return false;
   if (!triangulate(a.T_camera_world, na, b.T_camera_world, nb, world)) return false;
 
   const Eigen::Vector3d pa = a.T_camera_world * world, pb = b.T_camera_world * world;
-  const double ea = (c.project(pa) - Eigen::Vector2d(ka.ux, ka.uy)).squaredNorm();
-  const double eb = (c.project(pb) - Eigen::Vector2d(kb.ux, kb.uy)).squaredNorm();
+  const double ea = (c.project(pa) - ua).squaredNorm();
+  const double eb = (c.project(pb) - ub).squaredNorm();
   if (ea > settings_.triangulation_chi2 * ka.sigma * ka.sigma) return false;
   if (eb > settings_.triangulation_chi2 * kb.sigma * kb.sigma) return false;
 

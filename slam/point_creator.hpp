@@ -29,6 +29,7 @@ class PointCreator {
 
   void createWith(KeyframeId keyframe, KeyframeId neighbour, DepthRange depths,
                   std::vector<PointRef>& created);
+  void toMiddleRow(KeyframeId keyframe, double depth, std::vector<Eigen::Vector2d>& pixels);
   void matchAlongEpipolarLines(const Pair& pair, DepthRange depths);
   bool accept(const Pair& pair, int feature_a, int feature_b, Eigen::Vector3d& world) const;
   DepthRange depthRange(KeyframeId keyframe);
@@ -38,6 +39,7 @@ class PointCreator {
   double scale_factor_;
   double max_parallax_cos_, expected_parallax_;  // [rad] the latter
   Map& map_;
+  std::vector<Eigen::Vector2d> pixels_a_, pixels_b_;  // per feature of the pair
   std::vector<Free> free_;
   std::vector<int> match_, claimed_by_, claimed_distance_;
   std::vector<double> depths_;

@@ -40,9 +40,10 @@ void PointFuser::fuse(KeyframeId keyframe, std::span<const KeyframeId> neighbour
 
 void PointFuser::fuseInto(KeyframeId target, std::span<const PointId> points) {
   const Keyframe& k = map_.keyframe(target);
+  const Twist twist = map_.twistOf(target);
   for (const PointId p : points) {
     if (p == kNone || !map_.point(p).alive || map_.isObservedBy(p, target)) continue;
-    const int feature = findFeature(k, map_.point(p));
+    const int feature = findFeature(k, twist, map_.point(p));
     if (feature == kNone) continue;
     const std::lock_guard lock(map_.mutex);
     const PointId other = k.points[feature];
@@ -56,7 +57,7 @@ void PointFuser::fuseInto(KeyframeId target, std::span<const PointId> points) {
   }
 }
 
-int PointFuser::findFeature(const Keyframe& target, const MapPoint& point) {
+int PointFuser::findFeature(const Keyframe& target, const Twist& twist, const MapPoint& point) {
   const Eigen::Vector3d p = target.T_camera_world * point.position;
   if (p.z() < kMinDepth) return kNone;
   const double distance = p.norm();
@@ -64,7 +65,7 @@ int PointFuser::findFeature(const Keyframe& target, const MapPoint& point) {
   const Eigen::Vector3d direction = target.T_camera_world.R.transpose() * p / distance;
   if (direction.dot(point.normal) < kMaxViewAngleCos) return kNone;
 
-  const Eigen::Vector2d px = map_.intrinsics().project(p);
+  const Eigen::Vector2d px = map_.shutter().atItsRow(p, twist);
   const int level = map_.predictLevel(point.max_distance, distance);
   const float radius = kFuseRadiusPx * map_.scaleOf(level);
   const int n = target.features.grid.query(static_cast<float>(px.x()), static_cast<float>(px.y()),

@@ -19,7 +19,7 @@ class PointFuser {
 
  private:
   void fuseInto(KeyframeId target, std::span<const PointId> points);
-  int findFeature(const Keyframe& target, const MapPoint& point);
+  int findFeature(const Keyframe& target, const Twist& twist, const MapPoint& point);
 
   MatchingSettings settings_;
   Map& map_;

@@ -35,7 +35,7 @@ int PoseTracker::trackLastFrame(const TrackedFrame& last, TrackedFrame& frame) {
 }
 
 int PoseTracker::matchLastFrame(const TrackedFrame& last, double radius_px, TrackedFrame& frame) {
-  projectLastFrame(last, radius_px, frame.T_camera_world);
+  projectLastFrame(last, radius_px, frame.T_camera_world, frame.twist);
   std::fill(matches_.begin(), matches_.end(), kNone);
   const int matched = matcher_.matchProjected(frame.features, projected_,
                                               settings_.matching.hamming_loose, 1.0, matches_);
@@ -51,7 +51,7 @@ int PoseTracker::matchLastFrame(const TrackedFrame& last, double radius_px, Trac
 }
 
 void PoseTracker::projectLastFrame(const TrackedFrame& last, double radius_px,
-                                   const Pose& T_camera_world) {
+                                   const Pose& T_camera_world, const Twist& twist) {
   last_points_.clear();
   projected_.clear();
   const std::lock_guard lock(map_.mutex);
@@ -60,7 +60,7 @@ void PoseTracker::projectLastFrame(const TrackedFrame& last, double radius_px,
     if (id == kNone) continue;
     const Eigen::Vector3d p = T_camera_world * map_.point(id).position;
     if (p.z() < kMinDepth) continue;
-    const Eigen::Vector2f px = intrinsics_.project(p).cast<float>();
+    const Eigen::Vector2f px = map_.shutter().atItsRow(p, twist).cast<float>();
     const int octave = last.features.keypoints[f].octave;
     projected_.push_back({last.features.descriptors[f], px.x(), px.y(),
                           static_cast<float>(radius_px) * map_.scaleOf(octave), octave - 1,
@@ -102,7 +102,7 @@ int PoseTracker::trackLocalMap(TrackedFrame& frame, double search_scale) {
     local_map_.collect(map_, frame.points);
     lookUpPoints(frame);
   }
-  projectLocalMap(frame.T_camera_world, search_scale);
+  projectLocalMap(frame.T_camera_world, frame.twist, search_scale);
   for (int f = 0; f < frame.features.size(); ++f)
     matches_[f] = frame.points[f].id == kNone ? kNone : kTaken;
   matcher_.matchProjected(frame.features, projected_, settings_.matching.hamming_loose,
@@ -120,7 +120,8 @@ int PoseTracker::trackLocalMap(TrackedFrame& frame, double search_scale) {
   return inliers;
 }
 
-void PoseTracker::projectLocalMap(const Pose& T, double search_scale, bool all) {
+void PoseTracker::projectLocalMap(const Pose& T, const Twist& twist, double search_scale,
+                                  bool all) {
   constexpr double kNearlyFrontalCos = 0.998;  // a narrower window is enough then
   constexpr double kMaxViewAngleCos = 0.5;     // 60 degrees from the mean viewing direction
   projected_.clear();
@@ -140,7 +141,7 @@ void PoseTracker::projectLocalMap(const Pose& T, double search_scale, bool all) 
     if (cos_view < kMaxViewAngleCos) continue;
     visible_.push_back(lp.ref);
     if (lp.tracked && !all) continue;
-    const Eigen::Vector2f undistorted = intrinsics_.project(p).cast<float>();
+    const Eigen::Vector2f undistorted = map_.shutter().atItsRow(p, twist).cast<float>();
     const int level = map_.predictLevel(lp.max_distance, distance);
     const double radius = settings_.matching.map_radius_px * search_scale *
                           (cos_view > kNearlyFrontalCos ? 0.625 : 1.0);
@@ -155,7 +156,7 @@ int PoseTracker::foundByChance(const TrackedFrame& frame) {
   const float beside = static_cast<float>(camera_.width) / 16;
   const std::array<Eigen::Vector2f, 4> places{
       Eigen::Vector2f(beside, 0), {-beside, 0}, {0, beside}, {0, -beside}};
-  projectLocalMap(frame.T_camera_world, 1, true);
+  projectLocalMap(frame.T_camera_world, frame.twist, 1, true);
   int found = 0;
   Eigen::Vector2f moved = Eigen::Vector2f::Zero();
   for (const Eigen::Vector2f& place : places) {
@@ -197,7 +198,9 @@ int PoseTracker::optimize(TrackedFrame& frame) {
     if (frame.points[f].id == kNone) continue;
     const Keypoint& k = frame.features.keypoints[f];
     observations_.push_back(
-        {position_[f], {k.ux, k.uy}, 1 / (k.sigma * k.sigma), weight_[f], true});
+        {position_[f],
+         map_.shutter().atMiddleRow(k, frame.twist, frame.T_camera_world * position_[f]),
+         1 / (k.sigma * k.sigma), weight_[f], true});
     feature_of_observation_.push_back(f);
     point_of_observation_.push_back(frame.points[f]);
   }

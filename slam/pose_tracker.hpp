@@ -17,7 +17,8 @@ struct TrackedFrame {
 
   FeatureSet features;
   std::vector<PointRef> points;  // per feature: the map point it was recognised as
-  Pose T_camera_world;
+  Pose T_camera_world;           // at the time of the middle row
+  Twist twist;                   // as far as it is known
   std::int64_t frame = -1;
   double timestamp_s = 0;
   bool tracked = false;
@@ -62,9 +63,11 @@ class PoseTracker {
 
  private:
   int matchLastFrame(const TrackedFrame& last, double radius_px, TrackedFrame& frame);
-  void projectLastFrame(const TrackedFrame& last, double radius_px, const Pose& T_camera_world);
+  void projectLastFrame(const TrackedFrame& last, double radius_px, const Pose& T_camera_world,
+                        const Twist& twist);
   /// `all`: those, too, that the frame has already.
-  void projectLocalMap(const Pose& T_camera_world, double search_scale, bool all = false);
+  void projectLocalMap(const Pose& T_camera_world, const Twist& twist, double search_scale,
+                       bool all = false);
   /// Where the frame's points are and what they weigh; those that are gone are taken from it.
   void lookUpPoints(TrackedFrame& frame);
   int optimize(TrackedFrame& frame);

@@ -75,6 +75,7 @@ SlamStatistics SlamSystem::statistics() const {
   s.lost_events = impl_->tracker.lostEvents();
   s.relocalizations = impl_->tracker.relocalizations();
   s.loops_closed = impl_->mapper.loopsClosed();
+  s.readout_s = impl_->map.shutter().readout();
   return s;
 }
 
@@ -118,8 +119,9 @@ void SlamSystem::Impl::copyCloud(std::uint32_t map_id, SparseCloud& out) const {
     for (const Observation& o : map.observations(id)) {
       const Keyframe& k = map.keyframe(o.keyframe);
       const Keypoint& kp = k.features.keypoints[o.feature];
+      const Eigen::Vector3d p_camera = k.T_camera_world * p.position;
       squared +=
-          (map.intrinsics().project(k.T_camera_world * p.position) - Eigen::Vector2d(kp.ux, kp.uy))
+          (map.intrinsics().project(p_camera) - map.shutter().atMiddleRow(kp, k.twist, p_camera))
               .squaredNorm();
       out.sightings.push_back(
           {static_cast<std::uint32_t>(out.points.size()), place_in_cloud[o.keyframe]});

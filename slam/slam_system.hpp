@@ -32,6 +32,7 @@ struct SlamStatistics {
   int lost_events = 0;
   int relocalizations = 0;
   int loops_closed = 0;
+  double readout_s = 0;  // found out from the first row's exposure to the last's; 0: all at once
 };
 
 /// Bytes set aside at start, by what takes them; they never grow.

@@ -107,6 +107,7 @@ void Tracker::followCorrections() {
   if (corrections_seen_ == map_.corrections()) return;
   const Sim3 T_new_old = map_.correction() * correction_seen_.inverse();
   current_.T_camera_world = T_new_old.moved(current_.T_camera_world);
+  current_.twist.v *= T_new_old.s;
   T_current_last_.t *= T_new_old.s;
   correction_seen_ = map_.correction();
   corrections_seen_ = map_.corrections();
@@ -115,6 +116,7 @@ void Tracker::followCorrections() {
 bool Tracker::trackFromLastFrame() {
   current_.T_camera_world =
       has_motion_ ? T_current_last_ * last_.T_camera_world : last_.T_camera_world;
+  current_.twist = has_motion_ ? last_.twist : Twist{};
   int found = pose_tracker_.trackLastFrame(last_, current_);
   if (found < settings_.carry_below && point_carrier_.carry(last_, current_) > 0)
     found = pose_tracker_.trackOwnPoints(current_);
@@ -124,6 +126,7 @@ bool Tracker::trackFromLastFrame() {
   }
   if (found < settings_.min_motion_inliers || found < settings_.min_found_again * last_.inliers)
     return false;
+  current_.twist = twistSinceLast();
   inliers_ = pose_tracker_.trackLocalMap(current_);
   return inliers_ >= settings_.min_inliers &&
          inliers_ >= settings_.min_found * pose_tracker_.findable(current_);
@@ -180,9 +183,12 @@ void Tracker::reset() {
 void Tracker::finishTracked() {
   current_.tracked = true;
   current_.inliers = inliers_;
+  last_had_motion_ = has_motion_;
   has_motion_ = last_.tracked;
   if (has_motion_) T_current_last_ = current_.T_camera_world * last_.T_camera_world.inverse();
+  current_.twist = twistSinceLast();
   const std::lock_guard lock(map_.mutex);
+  if (has_motion_) refineTwistOfLast();
   reference_ = pose_tracker_.reference();
   // The mapper may have dropped it meanwhile.
   if (reference_ == kNone || !map_.keyframe(reference_).alive) {
@@ -192,6 +198,26 @@ void Tracker::finishTracked() {
   if (reference_ == kNone) return;
   wants_keyframe_ = needsKeyframe();
   record(wants_keyframe_);
+}
+
+/// Zero where the last frame was not tracked.
+Twist Tracker::twistSinceLast() {
+  const double seconds = current_.timestamp_s - last_.timestamp_s;
+  if (!last_.tracked || !(seconds > 0)) return {};
+  map_.shutter().noteInterval(seconds);
+  return twistBetween(last_.T_camera_world, current_.T_camera_world, seconds);
+}
+
+/// If the last frame became a keyframe, its motion is known better now: half of it lies before and
+/// half after it. Map mutex held.
+void Tracker::refineTwistOfLast() {
+  for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k) {
+    Keyframe& keyframe = map_.keyframe(k);
+    if (!keyframe.alive || keyframe.frame != last_.frame) continue;
+    const Twist &before = last_.twist, &after = current_.twist;
+    keyframe.twist =
+        last_had_motion_ ? Twist{(before.w + after.w) / 2, (before.v + after.v) / 2} : after;
+  }
 }
 
 /// What frame this was, where, and whether its picture is kept. Map mutex held.
@@ -209,7 +235,8 @@ void Tracker::record(bool keyframe) {
 void Tracker::offerKeyframe() {
   if (wants_keyframe_)
     mapper_.submit(current_.features, std::span(current_.points).first(current_.features.size()),
-                   current_.T_camera_world, correction_seen_, current_.frame, current_.timestamp_s);
+                   current_.T_camera_world, correction_seen_, current_.frame, current_.timestamp_s,
+                   current_.twist);
 }
 
 /// Map mutex held.

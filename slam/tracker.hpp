@@ -40,6 +40,8 @@ class Tracker {
   void finishTracked();
   void offerKeyframe();
   void record(bool keyframe);
+  Twist twistSinceLast();
+  void refineTwistOfLast();
   bool needsKeyframe() const;
   PoseEstimate report();
 
@@ -57,6 +59,7 @@ class Tracker {
   TrackedFrame current_, last_;
   Pose T_current_last_;  // of the last two frames tracked: the motion model
   bool has_motion_ = false;
+  bool last_had_motion_ = false;
   TrackingState state_ = TrackingState::Initializing;
   Sim3 correction_seen_;  // of the map's, applied to current_
   int corrections_seen_ = 0;

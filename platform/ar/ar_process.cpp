@@ -134,6 +134,7 @@ void ArProcess::publishStatus() {
   status_.lost_events = s.lost_events;
   status_.relocalizations = s.relocalizations;
   status_.loops_closed = s.loops_closed;
+  status_.readout_ms = 1000 * s.readout_s;
   status_.dropped_frames = static_cast<std::int64_t>(frames_.skipped());
   memory_.block().status.write(status_);
 }

@@ -252,6 +252,7 @@ std::string ControlRequests::status() const {
     json["lost_events"] = ar.lost_events;
     json["relocalizations"] = ar.relocalizations;
     json["loops_closed"] = ar.loops_closed;
+    json["readout_ms"] = ar.readout_ms;
     json["surfaces"] = ar.surfaces;
     json["ar_frames"] = ar.tracked_frames;
     json["ar_dropped_frames"] = ar.dropped_frames;

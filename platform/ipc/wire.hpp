@@ -50,7 +50,7 @@ struct WireArStatus {
   std::uint64_t beats;  // grows as long as the AR process lives, pictures or not
   std::int32_t keyframes, map_points, maps, lost_events, relocalizations, loops_closed;
   std::int64_t tracked_frames, dropped_frames, surfaces;
-  double track_p50_ms, track_p95_ms, reconstruct_p50_ms;
+  double track_p50_ms, track_p95_ms, reconstruct_p50_ms, readout_ms;
   std::int32_t keyframe_capacity, map_point_capacity;
   std::int64_t slam_bytes;  // that these and their workspaces take, set aside at start
 };

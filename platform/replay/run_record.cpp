@@ -88,6 +88,7 @@ void writeMetrics(const std::filesystem::path& path, const RunMetrics& m) {
             {"lost_events", m.slam.lost_events},
             {"relocalizations", m.slam.relocalizations},
             {"loops_closed", m.slam.loops_closed},
+            {"readout_ms", 1000 * m.slam.readout_s},
             {"maps", m.slam.maps},
             {"keyframes", m.slam.keyframes},
             {"map_points", m.slam.map_points},

@@ -62,7 +62,7 @@ TEST(RunRecord, MetricsHaveEveryKeyOfTheContract) {
   writeMetrics(folder.path() / "m.json", metrics);
   const auto json = nlohmann::json::parse(readFile(folder.path() / "m.json"));
   for (const char* key : {"frames", "tracked_frames", "first_tracked_frame", "lost_events",
-                          "relocalizations", "loops_closed", "maps", "keyframes", "map_points",
+                          "relocalizations", "loops_closed", "readout_ms", "maps", "keyframes", "map_points",
                           "surface_triangles", "peak_rss_mb", "steady_state_allocations"})
     EXPECT_TRUE(json.contains(key)) << key;
   for (const char* stage : {"extract_ms", "track_ms", "map_ms", "reconstruct_ms", "composite_ms"})

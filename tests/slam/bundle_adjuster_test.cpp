@@ -136,6 +136,46 @@ TEST(BundleAdjuster, flagsOutliersAndIsNotPulledByThem) {
   EXPECT_LT(worstPoseError(ba, scene), 0.01);
 }
 
+/// Every observation is seen off by `off` times a shift that depends on camera and place, as a
+/// rolling shutter's does.
+void shiftObservations(BundleAdjuster& ba, double off) {
+  std::mt19937 rng(23);
+  std::vector<Eigen::Vector2d> motion(kPoses);
+  for (auto& m : motion) m = {uniform(rng, -40, 40), uniform(rng, -40, 40)};
+  for (BaObservation& o : ba.observations()) {
+    o.shift = (motion[o.pose] * (o.pixel.y() / kHeight_px - 0.5)).cast<float>();
+    o.pixel += static_cast<float>(off) * o.shift;
+  }
+}
+
+TEST(BundleAdjuster, tellsHowFarASharedParameterIsOff) {
+  const Scene scene;
+  BundleAdjuster ba(kPoses, kPoints, kPoses * kPoints);
+  for (const double truth : {0.0, 0.1, -0.2}) {
+    scene.load(ba, 0.3, 0.01, 0.05);
+    shiftObservations(ba, truth);
+    BaSettings settings;
+    settings.max_iterations = 20;
+    settings.chi2_inlier = 100;
+    ba.solve(testCamera(), settings);
+    const auto points = ba.points()[7];
+    const auto shared = ba.estimateShared(testCamera(), settings);
+    ASSERT_TRUE(shared);
+    EXPECT_EQ(ba.points()[7], points) << "it adjusts nothing";
+    // The noise is 0.3 px where sigma stands for one pixel.
+    EXPECT_LT(shared->sigma, 0.01);
+    EXPECT_NEAR(shared->offset, truth, 3 * 0.3 * shared->sigma + 0.02 * std::abs(truth));
+  }
+}
+
+TEST(BundleAdjuster, saysNothingOfAParameterThatNothingDependsOn) {
+  const Scene scene;
+  BundleAdjuster ba(kPoses, kPoints, kPoses * kPoints);
+  EXPECT_FALSE(ba.estimateShared(testCamera())) << "there are no observations";
+  scene.load(ba, 0.3, 0.01, 0.05);
+  EXPECT_FALSE(ba.estimateShared(testCamera())) << "no observation is shifted";
+}
+
 TEST(BundleAdjuster, costNeverRises) {
   const Scene scene;
   BundleAdjuster ba(kPoses, kPoints, kPoses * kPoints);

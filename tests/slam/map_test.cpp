@@ -97,7 +97,10 @@ TEST(Map, RescaleLeavesEveryProjectionInPlace) {
   const Keyframe& k = m.map.keyframe(m.keyframes[2]);
   const Eigen::Vector2d before = testCamera().project(k.T_camera_world * m.map.point(p).position);
   const double depth = m.map.medianDepth(m.keyframes[2]);
+  m.map.keyframe(m.keyframes[2]).twist = {{0.1, 0.2, 0.3}, {4, 8, 12}};
   m.map.rescale(0.25);
+  EXPECT_EQ(k.twist.w, Eigen::Vector3d(0.1, 0.2, 0.3));
+  EXPECT_EQ(k.twist.v, Eigen::Vector3d(1, 2, 3));
   EXPECT_NEAR((testCamera().project(k.T_camera_world * m.map.point(p).position) - before).norm(), 0,
               1e-9);
   EXPECT_NEAR(m.map.medianDepth(m.keyframes[2]), 0.25 * depth, 1e-12);

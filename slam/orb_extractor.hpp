@@ -39,6 +39,13 @@ class OrbExtractor {
   /// border.
   bool describe(const Eigen::Vector2d& captured, int octave, FeatureSet& out, int slot) const;
 
+  /// Where the lens would have put what it shows at `captured` without its distortion [px]; nothing
+  /// where its model cannot be undone.
+  std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& captured) const {
+    const auto undistorted = undistortion_(captured);
+    return undistorted ? std::optional<Eigen::Vector2d>(undistorted->pixel) : std::nullopt;
+  }
+
   /// The last picture, and the one before it.
   SmoothedPyramid lastPicture() const { return {smooth_, scale_factors_}; }
   SmoothedPyramid pictureBefore() const { return {smooth_before_, scale_factors_}; }

@@ -1,6 +1,5 @@
 #include "slam/point_carrier.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <mutex>
 
@@ -13,23 +12,21 @@ PointCarrier::PointCarrier(const CameraModel& camera, const SlamSettings& settin
     : camera_(camera),
       flow_sigma_px_(settings.tracker.flow_sigma_px),
       map_(map),
-      extractor_(extractor) {
+      extractor_(extractor),
+      spare_(settings.extractor.features) {
   missing_.reserve(settings.extractor.features);
-  spare_.reserve(settings.extractor.features);
   stamp_.resize(settings.capacity.map_points, 0);
 }
 
 int PointCarrier::carry(const TrackedFrame& last, TrackedFrame& frame) {
   collectMissing(last, frame);
   int carried = 0;
-  const int capacity = static_cast<int>(frame.points.size());
-  collectSpare(frame);
+  spare_.collect(frame.features, [&](int f) { return frame.points[f].id == kNone; });
   for (const Carried& point : missing_) {
-    const bool full = frame.features.size() == capacity;
-    if (full && spare_.empty()) break;
-    const int slot = full ? spare_.back() : frame.features.size();
-    if (!carry(point, last, frame, slot)) continue;
-    if (full) spare_.pop_back();
+    const auto slot = spare_.slot(frame.features);
+    if (!slot) break;
+    if (!carry(point, last, frame, *slot)) continue;
+    spare_.take(*slot);
     ++carried;
   }
   if (carried > 0) frame.features.grid.build(frame.features.keypoints);
@@ -48,19 +45,6 @@ void PointCarrier::collectMissing(const TrackedFrame& last, const TrackedFrame& 
     stamp_[p] = current_stamp_;
     missing_.push_back({map_.ref(p), map_.point(p).position, f});
   }
-}
-
-/// Features without a point, the weakest corners last.
-void PointCarrier::collectSpare(const TrackedFrame& frame) {
-  spare_.clear();
-  const auto& keypoints = frame.features.keypoints;
-  for (int f = 0; f < frame.features.size(); ++f)
-    if (frame.points[f].id == kNone) spare_.push_back(f);
-  std::sort(spare_.begin(), spare_.end(), [&](int a, int b) {
-    return keypoints[a].response != keypoints[b].response
-               ? keypoints[a].response > keypoints[b].response
-               : a < b;
-  });
 }
 
 bool PointCarrier::carry(const Carried& point, const TrackedFrame& last, TrackedFrame& frame,

@@ -3,6 +3,7 @@
 
 #include "slam/orb_extractor.hpp"
 #include "slam/pose_tracker.hpp"
+#include "slam/spare_features.hpp"
 
 namespace depthscope::slam {
 
@@ -29,7 +30,6 @@ class PointCarrier {
     int feature;
   };
   void collectMissing(const TrackedFrame& last, const TrackedFrame& frame);
-  void collectSpare(const TrackedFrame& frame);
   bool carry(const Carried& point, const TrackedFrame& last, TrackedFrame& frame, int slot) const;
 
   CameraModel camera_;
@@ -37,7 +37,7 @@ class PointCarrier {
   Map& map_;
   const OrbExtractor& extractor_;
   std::vector<Carried> missing_;
-  std::vector<int> spare_;           // features that may give way, the last one first
+  SpareFeatures spare_;
   std::vector<std::int64_t> stamp_;  // per point: carry() that last found it in the frame
   std::int64_t current_stamp_ = 0;
 };

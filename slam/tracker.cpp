@@ -22,7 +22,7 @@ Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& m
       mapper_(mapper),
       records_(records),
       extractor_(settings.extractor, camera),
-      initializer_(settings, camera),
+      initializer_(settings, camera, extractor_),
       pose_tracker_(camera, settings, map),
       point_carrier_(camera, settings, map, extractor_),
       recovery_(camera, settings, map, database, pose_tracker_),

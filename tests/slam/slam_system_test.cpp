@@ -175,6 +175,27 @@ TEST(SlamSystem, TakesACameraThatExposesAllRowsAtOnceForWhatItIs) {
   EXPECT_LT(pathError(estimates, shakenPose), 0.01);
 }
 
+TEST(SlamSystem, StartsAMapThroughNoiseInWhichDescriptorsAreLost) {
+  const PlaneWorld world;
+  SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);
+  cv::RNG random(5);
+  int first = -1;
+  std::vector<PoseEstimate> estimates;
+  for (int i = 0; i < 60; ++i) {
+    cv::Mat noise(480, 640, CV_16S), noisy;
+    random.fill(noise, cv::RNG::NORMAL, 0, 6);
+    cv::Mat dark;
+    world.view(poseAt(i)).convertTo(dark, CV_16S, 0.4, 20);
+    cv::Mat(dark + noise).convertTo(noisy, CV_8U);
+    estimates.push_back(slam.track(viewOf(noisy), i, i / 30.0));
+    if (first < 0 && estimates.back().state == TrackingState::Tracking) first = i;
+  }
+  EXPECT_GE(first, 1);
+  EXPECT_LE(first, 15);
+  EXPECT_EQ(estimates.back().state, TrackingState::Tracking);
+  EXPECT_LT(pathError(estimates), 0.03);
+}
+
 TEST(SlamSystem, StartsNoMapWhileTheCameraStandsStill) {
   const PlaneWorld world;
   SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);

@@ -15,12 +15,11 @@ GlobalBundle::GlobalBundle(const SlamSettings& settings, Map& map, BundleAdjuste
   keyframes_.reserve(keyframes);
   pose_index_.resize(keyframes);
   points_.reserve(settings.capacity.map_points);
-  chosen_.resize(settings.capacity.map_points);
+  point_index_.resize(settings.capacity.map_points);
   ranked_.reserve(settings.extractor.features);
   twists_.resize(keyframes);
   T_new_old_.resize(keyframes);
-  depth_old_.resize(keyframes);
-  depth_new_.resize(keyframes);
+  growth_.reserve(settings.extractor.features);
 }
 
 BaSummary GlobalBundle::adjust(std::uint32_t map_id, int iterations,
@@ -50,7 +49,7 @@ void GlobalBundle::gather(std::uint32_t map_id) {
   adjuster_.clear();
   keyframes_.clear();
   points_.clear();
-  std::fill(chosen_.begin(), chosen_.end(), 0);
+  std::fill(point_index_.begin(), point_index_.end(), -1);
   for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k) {
     if (!map_.keyframe(k).alive || map_.keyframe(k).map_id != map_id) continue;
     pose_index_[k] = adjuster_.addPose(map_.keyframe(k).T_camera_world, false);
@@ -103,8 +102,10 @@ bool GlobalBundle::choosePointsOf(KeyframeId keyframe, int quota) {
   ranked_.clear();
   for (const PointId p : map_.keyframe(keyframe).points) {
     if (p == kNone) continue;
-    have += chosen_[p];
-    if (!chosen_[p]) ranked_.push_back(p);
+    if (point_index_[p] >= 0)
+      ++have;
+    else
+      ranked_.push_back(p);
   }
   std::sort(ranked_.begin(), ranked_.end(), [&](PointId a, PointId b) {
     const int na = map_.point(a).observation_count, nb = map_.point(b).observation_count;
@@ -123,7 +124,7 @@ bool GlobalBundle::choose(PointId p) {
   if (adjuster_.freeObservations() < static_cast<int>(observations.size())) return false;
   const int index = adjuster_.addPoint(map_.point(p).position);
   if (index < 0) return false;
-  chosen_[p] = 1;
+  point_index_[p] = index;
   points_.push_back(p);
   const float trust = map_.trustOf(p);
   for (const Observation& o : observations) {
@@ -145,21 +146,30 @@ bool GlobalBundle::choose(PointId p) {
 
 /// How the world moves around each keyframe: with it, and in scale as the depths of its points do.
 void GlobalBundle::findMotions() {
-  std::fill(depth_old_.begin(), depth_old_.end(), 0);
-  std::fill(depth_new_.begin(), depth_new_.end(), 0);
-  for (const BaObservation& o : adjuster_.observations()) {
-    if (!o.inlier) continue;
-    const Pose& T_old = map_.keyframe(keyframes_[o.pose]).T_camera_world;
-    depth_old_[o.pose] += (T_old * map_.point(points_[o.point]).position).z();
-    depth_new_[o.pose] +=
-        (adjuster_.poses()[o.pose].T_camera_world * adjuster_.points()[o.point]).z();
-  }
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     Sim3 T_new_camera(adjuster_.poses()[i].T_camera_world.inverse());
-    const bool scaled = depth_old_[i] > 0 && depth_new_[i] > 0;
-    T_new_camera.s = scaled ? depth_new_[i] / depth_old_[i] : 1;
+    T_new_camera.s = medianGrowth(i);
     T_new_old_[i] = T_new_camera * Sim3(map_.keyframe(keyframes_[i]).T_camera_world);
   }
+}
+
+/// By what factor most depths of a keyframe's points grow. The median, for one point that goes off
+/// to infinity would outweigh all others in a mean: on an instrument that moves there are such, and
+/// once they took 16 frames of a sweep off by 50 to 200 mm.
+double GlobalBundle::medianGrowth(std::size_t pose) {
+  const Keyframe& k = map_.keyframe(keyframes_[pose]);
+  const Pose& T_new = adjuster_.poses()[pose].T_camera_world;
+  growth_.clear();
+  for (const PointId p : k.points) {
+    if (p == kNone || point_index_[p] < 0) continue;
+    const double before = (k.T_camera_world * map_.point(p).position).z();
+    const double now = (T_new * adjuster_.points()[point_index_[p]]).z();
+    if (before > kMinDepth && now > kMinDepth) growth_.push_back(now / before);
+  }
+  if (growth_.empty()) return 1;
+  const auto middle = growth_.begin() + static_cast<std::ptrdiff_t>(growth_.size() / 2);
+  std::nth_element(growth_.begin(), middle, growth_.end());
+  return *middle;
 }
 
 /// The pose of the keyframe by which the tracker is told how the world around it moved.
@@ -174,7 +184,7 @@ void GlobalBundle::writeBack(std::uint32_t map_id, bool remove_outliers) {
   findMotions();
   const std::scoped_lock lock(map_.world_mutex, map_.mutex);
   for (PointId p = 0; p < map_.pointEnd(); ++p)
-    if (map_.point(p).alive && map_.point(p).map_id == map_id && !chosen_[p])
+    if (map_.point(p).alive && map_.point(p).map_id == map_id && point_index_[p] < 0)
       map_.movePoint(p, T_new_old_[pose_index_[map_.observations(p).front().keyframe]]);
   for (std::size_t i = 0; i < points_.size(); ++i)
     map_.point(points_[i]).position = adjuster_.points()[i];

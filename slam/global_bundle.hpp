@@ -34,21 +34,22 @@ class GlobalBundle {
   void fixOldest();
   void keepScale();
   void findMotions();
+  double medianGrowth(std::size_t pose);
   void writeBack(std::uint32_t map_id, bool remove_outliers);
   int newest() const;
 
   Map& map_;
   BundleAdjuster& adjuster_;
-  int max_quota_;                              // points that a keyframe can have
-  std::vector<KeyframeId> keyframes_;          // per pose of the problem
-  std::vector<int> pose_index_;                // per keyframe
-  int oldest_ = 0;                             // pose that is held
-  std::vector<PointId> points_;                // per point of the problem
-  std::vector<std::uint8_t> chosen_;           // per map point
-  std::vector<PointId> ranked_;                // of one keyframe, the best observed first
-  std::vector<Twist> twists_;                  // per pose of the problem
-  std::vector<Sim3> T_new_old_;                // per pose of the problem
-  std::vector<double> depth_old_, depth_new_;  // per pose of the problem, summed over its points
+  int max_quota_;                      // points that a keyframe can have
+  std::vector<KeyframeId> keyframes_;  // per pose of the problem
+  std::vector<int> pose_index_;        // per keyframe
+  int oldest_ = 0;                     // pose that is held
+  std::vector<PointId> points_;        // per point of the problem
+  std::vector<int> point_index_;       // per map point, -1: not in the problem
+  std::vector<PointId> ranked_;        // of one keyframe, the best observed first
+  std::vector<Twist> twists_;          // per pose of the problem
+  std::vector<Sim3> T_new_old_;        // per pose of the problem
+  std::vector<double> growth_;         // of one keyframe's depths, scratch
 };
 
 }  // namespace depthscope::slam

@@ -1,6 +1,8 @@
 // Maps that are adjusted as a whole: by itself, and by the mapper now and then.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "slam/global_bundle.hpp"
 #include "slam/mapper.hpp"
 #include "tests/slam/synthetic_map.hpp"
@@ -72,6 +74,20 @@ TEST_F(DisturbedMap, IsConsistentAfterwardsAndAsLargeAndWhereItWas) {
   EXPECT_NEAR(extent(kKeyframes), before, 1e-6 * before);
   EXPECT_LT((keyframe(0).T_camera_world.t - oldest.t).norm(), 1e-9);
   EXPECT_LT((keyframe(0).T_camera_world.R - oldest.R).norm(), 1e-9);
+}
+
+TEST_F(DisturbedMap, IsNotTakenForLargerForTheSakeOfAPointFarAway) {
+  const Keyframe& first = keyframe(0);
+  const auto seen =
+      std::find_if(first.points.begin(), first.points.end(), [](PointId p) { return p != kNone; });
+  ASSERT_NE(seen, first.points.end());
+  MapPoint& point = map().point(*seen);
+  const Eigen::Vector3d centre = first.T_camera_world.inverse().t;
+  point.position = centre + 1e4 * (point.position - centre);
+  BundleAdjuster adjuster(12, 1000, 12000);
+  GlobalBundle bundle(smallSettings(), map(), adjuster);
+  bundle.adjust(map().activeId(), 30, nullptr);
+  for (int i = 0; i < kKeyframes; ++i) EXPECT_NEAR(keyframe(i).unit, 1, 0.05);
 }
 
 /// A night's worth of adjustments: what rounding does to a rotation must not add up, let alone

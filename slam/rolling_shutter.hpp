@@ -54,9 +54,10 @@ class RollingShutter {
     return px + readout_s * motionInReadout(px.y(), twist, p_camera);  // px.y() is nearly its row
   }
   /// By how much the point seen in row `y` moves in the picture between the middle row's time and
-  /// its own, for each second of readout [px/s].
+  /// its own, for each second of readout [px/s]; zero behind the camera.
   Eigen::Vector2d motionInReadout(double y, const Twist& twist,
                                   const Eigen::Vector3d& p_camera) const {
+    if (!(p_camera.z() > kMinDepth)) return Eigen::Vector2d::Zero();
     return ((y + 0.5) / height_ - 0.5) *
            (projectionJacobian(intrinsics_, p_camera) * (twist.w.cross(p_camera) + twist.v));
   }

@@ -62,6 +62,7 @@ void Tracker::beginFrame(const GrayView& image, std::int64_t frame, double times
   current_.frame = frame;
   current_.timestamp_s = timestamp_s;
   current_.tracked = false;
+  current_.twist = {};
   std::fill(current_.points.begin(), current_.points.end(), PointRef{});
   inliers_ = 0;
   wants_keyframe_ = wants_picture_ = false;

@@ -16,16 +16,6 @@ using testing::takeAllocationCount;
 
 constexpr int kWidth = 320, kHeight = 240, kFeatures = 400, kFinest = 3;
 
-CameraModel camera() {
-  CameraModel c;
-  c.width = kWidth;
-  c.height = kHeight;
-  c.fx = c.fy = 300;
-  c.cx = 159.5;
-  c.cy = 119.5;
-  return c;
-}
-
 ExtractorSettings settings() {
   ExtractorSettings s;
   s.features = kFeatures;
@@ -45,8 +35,8 @@ class FeatureFollowerTest : public ::testing::Test {
   }
 
   std::mt19937 random_{1};
-  OrbExtractor extractor_{settings(), camera()};
-  FeatureSet features_{kFeatures, camera()};
+  OrbExtractor extractor_{settings(), testing::smallCamera()};
+  FeatureSet features_{kFeatures, testing::smallCamera()};
   FeatureFollower follower_{extractor_, kFeatures};
 };
 
@@ -99,7 +89,7 @@ TEST_F(FeatureFollowerTest, AllocatesNothingOnceItIsBuilt) {
 }
 
 TEST(SpareFeatures, GoBehindTheOthersThenInPlaceOfTheWeakestThatMay) {
-  FeatureSet features(4, camera());
+  FeatureSet features(4, testing::smallCamera());
   const auto add = [&](float response) {
     features.keypoints.emplace_back().response = response;
     features.descriptors.emplace_back();

@@ -15,16 +15,6 @@ constexpr int kWidth = 320, kHeight = 240;
 constexpr double kDepth = 2;
 constexpr double kShift_px = 7.4;
 
-CameraModel camera() {
-  CameraModel c;
-  c.width = kWidth;
-  c.height = kHeight;
-  c.fx = c.fy = 300;
-  c.cx = 159.5;
-  c.cy = 119.5;
-  return c;
-}
-
 SlamSettings settings(int features) {
   SlamSettings s;
   s.extractor.features = features;
@@ -45,11 +35,11 @@ struct Step {
 
   explicit Step(int features)
       : setting(settings(features)),
-        map(setting, camera()),
-        extractor(setting.extractor, camera()),
-        carrier(camera(), setting, map, extractor),
-        last(features, camera()),
-        frame(features, camera()) {
+        map(setting, testing::smallCamera()),
+        extractor(setting.extractor, testing::smallCamera()),
+        carrier(testing::smallCamera(), setting, map, extractor),
+        last(features, testing::smallCamera()),
+        frame(features, testing::smallCamera()) {
     map.start();
     take(0, last);
     const Intrinsics& c = map.intrinsics();

@@ -67,6 +67,13 @@ TEST_F(RollingShutterTest, MovesWhatOtherRowsSawToTheMiddleRowsTime) {
   }
 }
 
+TEST_F(RollingShutterTest, LeavesWhatIsNotBeforeTheCameraWhereItIs) {
+  shutter_.correct(0.025, 0.001);
+  Keypoint k;
+  for (const double z : {0.0, -1.0})
+    EXPECT_EQ(shutter_.atMiddleRow(k, twist_, {0.1, 0.2, z}), Eigen::Vector2d(0, 0));
+}
+
 TEST_F(RollingShutterTest, BelievesInAReadoutOnlyBeyondDoubt) {
   shutter_.correct(0.02, 0.004);
   EXPECT_EQ(shutter_.readout(), 0) << "five standard deviations";

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slam/image_buffer.hpp"
+#include "types/camera_model.hpp"
 
 namespace depthscope::slam::testing {
 
@@ -45,6 +46,17 @@ class TissueTexture {
 
   std::uint32_t seed_;
 };
+
+/// A camera of small pictures.
+inline CameraModel smallCamera() {
+  CameraModel c;
+  c.width = 320;
+  c.height = 240;
+  c.fx = c.fy = 300;
+  c.cx = 159.5;
+  c.cy = 119.5;
+  return c;
+}
 
 /// A picture of width x height whose pixel (x, y) is brightness(x, y), rounded and clamped.
 inline ImageBuffer draw(int width, int height,

@@ -15,9 +15,9 @@ CrossMapLocator::CrossMapLocator(const SlamSettings& settings, const Map& map,
       database_(database),
       relocalizer_(settings, map.intrinsics(), database),
       query_(settings),
-      points_(settings.extractor.features) {
+      points_(settings.extractor.capacity()) {
   candidates_.reserve(kCandidates);
-  depth_ratios_.reserve(settings.extractor.features);
+  depth_ratios_.reserve(settings.extractor.capacity());
 }
 
 std::span<const KeyframeId> CrossMapLocator::candidates(KeyframeId now) {

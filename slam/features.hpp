@@ -12,7 +12,7 @@ namespace depthscope::slam {
 /// construction.
 struct FeatureSet {
   FeatureSet() = default;
-  /// Room for `capacity` features (ExtractorSettings::features) of pictures of `camera`.
+  /// Room for `capacity` features (ExtractorSettings::capacity()) of pictures of `camera`.
   FeatureSet(int capacity, const CameraModel& camera) : grid(capacity, camera) {
     keypoints.reserve(capacity);
     descriptors.reserve(capacity);

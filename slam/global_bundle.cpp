@@ -10,16 +10,16 @@ constexpr int kQuotaStep = 25;  // points of a keyframe, added round by round wh
 }  // namespace
 
 GlobalBundle::GlobalBundle(const SlamSettings& settings, Map& map, BundleAdjuster& adjuster)
-    : map_(map), adjuster_(adjuster), max_quota_(settings.extractor.features) {
+    : map_(map), adjuster_(adjuster), max_quota_(settings.extractor.capacity()) {
   const std::size_t keyframes = settings.capacity.keyframes;
   keyframes_.reserve(keyframes);
   pose_index_.resize(keyframes);
   points_.reserve(settings.capacity.map_points);
   point_index_.resize(settings.capacity.map_points);
-  ranked_.reserve(settings.extractor.features);
+  ranked_.reserve(settings.extractor.capacity());
   twists_.resize(keyframes);
   T_new_old_.resize(keyframes);
-  growth_.reserve(settings.extractor.features);
+  growth_.reserve(settings.extractor.capacity());
 }
 
 BaSummary GlobalBundle::adjust(std::uint32_t map_id, int iterations,

@@ -8,13 +8,13 @@
 namespace depthscope::slam {
 
 KeyframeDatabase::KeyframeDatabase(const SlamSettings& settings, Vocabulary vocabulary)
-    : vocabulary_(std::move(vocabulary)), features_(settings.extractor.features) {
+    : vocabulary_(std::move(vocabulary)), features_(settings.extractor.capacity()) {
   if (vocabulary_.words() > settings.capacity.vocabulary_words)
     throw InputError("slam.capacity.vocabulary_words: there is room for " +
                      std::to_string(settings.capacity.vocabulary_words) +
                      ", expected at least the vocabulary's " + std::to_string(vocabulary_.words()));
   const std::size_t keyframes = settings.capacity.keyframes;
-  postings_.resize(keyframes * features_);
+  postings_ = std::make_unique_for_overwrite<Posting[]>(keyframes * features_);
   heads_.resize(vocabulary_.words(), kNone);
   sizes_.resize(keyframes, 0);
   serials_.resize(keyframes, -1);
@@ -98,7 +98,7 @@ double KeyframeDatabase::score(KeyframeId a, KeyframeId b, PlaceQuery& query) co
 }
 
 std::size_t KeyframeDatabase::bytes() const {
-  return vocabulary_.bytes() + postings_.capacity() * sizeof(Posting) +
+  return vocabulary_.bytes() + sizes_.size() * features_ * sizeof(Posting) +
          heads_.capacity() * sizeof(std::int32_t) +
          serials_.capacity() * (sizeof(std::int64_t) + sizeof(int));
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,7 +17,7 @@ struct PlaceMatch {
 /// Scratch of fixed size for asking a KeyframeDatabase; one a thread.
 struct PlaceQuery {
   explicit PlaceQuery(const SlamSettings& settings) {
-    bag.reserve(settings.extractor.features);
+    bag.reserve(settings.extractor.capacity());
     scores.resize(settings.capacity.keyframes);
     matches.reserve(settings.capacity.keyframes);
   }
@@ -56,12 +57,12 @@ class KeyframeDatabase {
  private:
   /// An entry of a keyframe's bag and at once a link in the list of its word.
   struct Posting {
-    WordId word = 0;
-    float weight = 0;
-    std::int32_t previous = kNone, next = kNone;  // postings of the same word
+    WordId word;
+    float weight;
+    std::int32_t previous, next;  // postings of the same word, kNone: no more
   };
   std::span<const Posting> postings(KeyframeId keyframe) const {
-    return {postings_.data() + static_cast<std::size_t>(keyframe) * features_,
+    return {postings_.get() + static_cast<std::size_t>(keyframe) * features_,
             static_cast<std::size_t>(sizes_[keyframe])};
   }
   void remove(KeyframeId keyframe);
@@ -69,8 +70,10 @@ class KeyframeDatabase {
   std::span<const PlaceMatch> answer(const Map& map, KeyframeId except, PlaceQuery& query) const;
 
   Vocabulary vocabulary_;
-  int features_;                       // postings set aside for a keyframe
-  std::vector<Posting> postings_;      // keyframe by keyframe, each ascending by word
+  int features_;  // postings set aside for a keyframe
+  // Keyframe by keyframe, each ascending by word. Not written to before it is used, so that what no
+  // keyframe needs takes no memory.
+  std::unique_ptr<Posting[]> postings_;
   std::vector<std::int32_t> heads_;    // per word: its first posting
   std::vector<int> sizes_;             // per keyframe
   std::vector<std::int64_t> serials_;  // per keyframe, -1: none taken in

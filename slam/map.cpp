@@ -17,7 +17,7 @@ Map::Map(const SlamSettings& settings, const CameraModel& camera)
       points_(settings.capacity.map_points),
       observations_per_point_(std::min(settings.capacity.observations_per_point, kMaxObservations)),
       log_scale_factor_(std::log(settings.extractor.scale_factor)) {
-  const int features = settings.extractor.features;
+  const int features = settings.extractor.capacity();
   for (Keyframe& k : keyframes_) {
     k.features = FeatureSet(features, camera);
     k.points.reserve(features);

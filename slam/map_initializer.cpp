@@ -17,19 +17,19 @@ TwoViewSettings twoViewSettings(const InitializerSettings& s) {
 MapInitializer::MapInitializer(const SlamSettings& settings, const CameraModel& camera,
                                const OrbExtractor& extractor)
     : settings_(settings.initializer),
-      matcher_(settings.matching, settings.extractor.features),
+      matcher_(settings.matching, settings.extractor.capacity()),
       two_view_(twoViewSettings(settings.initializer), {camera.fx, camera.fy, camera.cx, camera.cy},
-                settings.extractor.features),
-      reference_(settings.extractor.features, camera),
+                settings.extractor.capacity()),
+      reference_(settings.extractor.capacity(), camera),
       extractor_(extractor),
-      follower_(extractor, settings.extractor.features),
-      spare_(settings.extractor.features) {
-  matches_.resize(settings.extractor.features);
-  matched_.reserve(settings.extractor.features);
-  first_.reserve(settings.extractor.features);
-  second_.reserve(settings.extractor.features);
-  result_.points.reserve(settings.extractor.features);
-  result_.triangulated.reserve(settings.extractor.features);
+      follower_(extractor, settings.extractor.capacity()),
+      spare_(settings.extractor.capacity()) {
+  matches_.resize(settings.extractor.capacity());
+  matched_.reserve(settings.extractor.capacity());
+  first_.reserve(settings.extractor.capacity());
+  second_.reserve(settings.extractor.capacity());
+  result_.points.reserve(settings.extractor.capacity());
+  result_.triangulated.reserve(settings.extractor.capacity());
 }
 
 void MapInitializer::setReference(const FeatureSet& features, std::int64_t frame,

@@ -30,7 +30,7 @@ Mapper::Mapper(const SlamSettings& settings, const CameraModel& camera, Map& map
       recognizer_(settings, map, database),
       merger_(map, fuser_),
       loop_closer_(settings, map, merger_) {
-  const int features = settings.extractor.features;
+  const int features = settings.extractor.capacity();
   recent_.reserve(settings.capacity.map_points);
   votes_.resize(settings.capacity.keyframes);
   neighbours_.reserve(settings.capacity.keyframes);

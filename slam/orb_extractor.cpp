@@ -48,7 +48,7 @@ OrbExtractor::OrbExtractor(const ExtractorSettings& settings, const CameraModel&
   }
 }
 
-void OrbExtractor::extract(const GrayView& image, FeatureSet& out) {
+void OrbExtractor::extract(const GrayView& image, int wanted, FeatureSet& out) {
   out.keypoints.clear();
   out.descriptors.clear();
   if (!image.empty() && image.width == camera_.width && image.height == camera_.height) {
@@ -61,10 +61,10 @@ void OrbExtractor::extract(const GrayView& image, FeatureSet& out) {
     for (int l = 0; l < settings_.levels; ++l) smoothing_(pyramid_.level(l), smooth_[l], path_);
     detect(settings_.fast_threshold, settings_.fast_threshold_min);
     // Little texture: what there is of it is worth more than its noise costs.
-    for (int halved = 1; halved <= kHalvings && foundCorners() < settings_.features; ++halved)
+    for (int halved = 1; halved <= kHalvings && foundCorners() < wanted; ++halved)
       detect(std::max(1, settings_.fast_threshold >> halved),
              std::max(1, settings_.fast_threshold_min >> halved));
-    shareQuota();
+    shareQuota(wanted);
     for (int l = 0; l < settings_.levels; ++l) describeLevel(l, out);
   }
   out.grid.build(out.keypoints);
@@ -116,9 +116,9 @@ void OrbExtractor::keepStrongOfEachCell(int l, int threshold) {
 
 /// Shares the features among the levels by their length scale, as Mur-Artal et al. do, and hands on
 /// what a level cannot use to those that can.
-void OrbExtractor::shareQuota() {
+void OrbExtractor::shareQuota(int features) {
   std::fill(wanted_.begin(), wanted_.end(), 0);
-  int left = settings_.features;
+  int left = features;
   for (int round = 0; round < settings_.levels && left > 0; ++round) {
     double open = 0;
     for (int l = 0; l < settings_.levels; ++l)

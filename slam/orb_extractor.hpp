@@ -29,9 +29,11 @@ class OrbExtractor {
   OrbExtractor(const ExtractorSettings& settings, const CameraModel& camera,
                SimdPath path = bestSimdPath());
 
-  /// Fills `out` (its capacity: settings.features) from a picture of the camera's size; a picture
-  /// of another size gives no features. Does not allocate.
-  void extract(const GrayView& image, FeatureSet& out);
+  /// Fills `out` (its capacity: settings.capacity()) with up to `wanted` features of a picture of
+  /// the camera's size; a picture of another size gives none. Does not allocate.
+  void extract(const GrayView& image, int wanted, FeatureSet& out);
+  /// As many as the settings have for a picture with texture.
+  void extract(const GrayView& image, FeatureSet& out) { extract(image, settings_.features, out); }
 
   /// Describes the place `captured` [px of full resolution] of the last picture as a feature of
   /// `octave`, corner or not, in place of feature `slot` of `out`, whose grid is not built anew; in
@@ -62,7 +64,7 @@ class OrbExtractor {
   Area searchArea(int l) const;
   bool isOnTissue(const Corner& corner, int l) const;
   void keepStrongOfEachCell(int l, int threshold);
-  void shareQuota();
+  void shareQuota(int features);
   void describeLevel(int l, FeatureSet& out);
   std::optional<Keypoint> keypointAt(const Corner& corner, int l) const;
   std::optional<Keypoint> keypointAt(const Eigen::Vector2d& captured, const Corner& corner,

@@ -27,11 +27,11 @@ PlaceRecognizer::PlaceRecognizer(const SlamSettings& settings, const Map& map,
                                  const KeyframeDatabase& database)
     : map_(map),
       database_(database),
-      matcher_(settings.matching, settings.extractor.features),
+      matcher_(settings.matching, settings.extractor.capacity()),
       locator_(settings, map, database),
       query_(settings),
       score_query_(settings) {
-  const std::size_t features = settings.extractor.features;
+  const std::size_t features = settings.extractor.capacity();
   const std::size_t keyframes = settings.capacity.keyframes;
   const std::size_t points = settings.capacity.local_points;
   shared_.resize(keyframes);

@@ -13,8 +13,8 @@ PointCarrier::PointCarrier(const CameraModel& camera, const SlamSettings& settin
       flow_sigma_px_(settings.tracker.flow_sigma_px),
       map_(map),
       extractor_(extractor),
-      spare_(settings.extractor.features) {
-  missing_.reserve(settings.extractor.features);
+      spare_(settings.extractor.capacity()) {
+  missing_.reserve(settings.extractor.capacity());
   stamp_.resize(settings.capacity.map_points, 0);
 }
 

@@ -28,7 +28,7 @@ PointCreator::PointCreator(const SlamSettings& settings, Map& map)
       max_parallax_cos_(std::cos(settings.mapper.min_parallax_deg * kRadiansPerDegree)),
       expected_parallax_(settings.mapper.expected_parallax_deg * kRadiansPerDegree),
       map_(map) {
-  const std::size_t n = settings.extractor.features;
+  const std::size_t n = settings.extractor.capacity();
   pixels_a_.reserve(n);
   pixels_b_.reserve(n);
   free_.reserve(n);

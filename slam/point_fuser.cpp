@@ -13,7 +13,7 @@ PointFuser::PointFuser(const SlamSettings& settings, Map& map)
     : settings_(settings.matching), map_(map) {
   points_.reserve(settings.capacity.local_points);
   stamp_.resize(settings.capacity.map_points, 0);
-  candidates_.resize(settings.extractor.features);
+  candidates_.resize(settings.extractor.capacity());
 }
 
 void PointFuser::fuse(KeyframeId keyframe, std::span<const KeyframeId> neighbours) {

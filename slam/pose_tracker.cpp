@@ -12,8 +12,8 @@ PoseTracker::PoseTracker(const CameraModel& camera, const SlamSettings& settings
       intrinsics_{camera.fx, camera.fy, camera.cx, camera.cy},
       map_(map),
       local_map_(settings),
-      matcher_(settings.matching, settings.extractor.features) {
-  const int n = settings.extractor.features;
+      matcher_(settings.matching, settings.extractor.capacity()) {
+  const int n = settings.extractor.capacity();
   projected_.reserve(settings.capacity.local_points);
   visible_.reserve(settings.capacity.local_points);
   last_points_.reserve(n);

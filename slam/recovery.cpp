@@ -34,7 +34,7 @@ Recovery::Recovery(const CameraModel& camera, const SlamSettings& settings, Map&
       map_(map),
       pose_tracker_(pose_tracker),
       relocalizer_(settings, map.intrinsics(), database),
-      anchor_(settings.extractor.features, camera) {}
+      anchor_(settings.extractor.capacity(), camera) {}
 
 void Recovery::begin(TrackedFrame& last, const Pose* T_current_last, double now_s) {
   std::swap(last, anchor_);

@@ -28,11 +28,11 @@ PnpSettings pnpSettings() {
 Relocalizer::Relocalizer(const SlamSettings& settings, const Intrinsics& camera,
                          const KeyframeDatabase& database)
     : camera_(camera),
-      matcher_(settings.matching, settings.extractor.features),
-      pnp_(pnpSettings(), settings.extractor.features),
+      matcher_(settings.matching, settings.extractor.capacity()),
+      pnp_(pnpSettings(), settings.extractor.capacity()),
       database_(database),
       query_(settings) {
-  const std::size_t n = settings.extractor.features;
+  const std::size_t n = settings.extractor.capacity();
   wanted_.resize(n);
   matches_.resize(n);
   observations_.reserve(n);

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -6,7 +7,11 @@ namespace depthscope::slam {
 
 /// Feature extraction (slam/orb_extractor).
 struct ExtractorSettings {
-  int features = 1000;        // kept per frame, over all levels
+  int features = 1000;  // kept per frame, over all levels
+  // Where no map has begun yet, and where fewer points were found in the last frame than
+  // TrackerSettings::weak_below.
+  int features_at_most = 2000;
+  int capacity() const { return std::max(features, features_at_most); }
   int levels = 8;             // pyramid levels
   double scale_factor = 1.2;  // between levels
   // FAST thresholds on pictures smoothed by a Gaussian of sigma 0.7, which takes half of a corner's
@@ -91,6 +96,7 @@ struct TrackerSettings {
   // second.
   double new_map_after_s = 0.5;
   int local_keyframes = 40;  // that a frame's local map is made from
+  int weak_below = 250;
   // Of the points of the last frame found by descriptor: fewer, and optical flow carries the
   // others, each step with an error of its own [px of the feature's level]. Without it two clips of
   // dark, smooth tissue are tracked in 91 and 91 % of the frames, lost once each, with it in 95 %,

@@ -17,6 +17,7 @@ constexpr double kYoungMapWaits_s = 0.1;  // but a blurred picture or two do not
 Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& map,
                  const KeyframeDatabase& database, Mapper& mapper, FrameRecords& records)
     : settings_(settings.tracker),
+      extraction_(settings.extractor),
       camera_(camera),
       map_(map),
       mapper_(mapper),
@@ -26,8 +27,8 @@ Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& m
       pose_tracker_(camera, settings, map),
       point_carrier_(camera, settings, map, extractor_),
       recovery_(camera, settings, map, database, pose_tracker_),
-      current_(settings.extractor.features, camera),
-      last_(settings.extractor.features, camera) {}
+      current_(settings.extractor.capacity(), camera),
+      last_(settings.extractor.capacity(), camera) {}
 
 PoseEstimate Tracker::track(const GrayView& image, std::int64_t frame, double timestamp_s) {
   const AllocationScope no_allocations;
@@ -56,7 +57,7 @@ PoseEstimate Tracker::track(const GrayView& image, std::int64_t frame, double ti
 void Tracker::beginFrame(const GrayView& image, std::int64_t frame, double timestamp_s) {
   std::swap(current_, last_);
   const auto start = std::chrono::steady_clock::now();
-  extractor_.extract(image, current_.features);
+  extractor_.extract(image, wantedFeatures(), current_.features);
   extract_ms_ =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   current_.frame = frame;
@@ -66,6 +67,14 @@ void Tracker::beginFrame(const GrayView& image, std::int64_t frame, double times
   std::fill(current_.points.begin(), current_.points.end(), PointRef{});
   inliers_ = 0;
   wants_keyframe_ = wants_picture_ = false;
+}
+
+/// More where few are found again, and to begin a map from, which all that follows rests on (as
+/// Mur-Artal et al. do).
+int Tracker::wantedFeatures() const {
+  const bool weak = state_ == TrackingState::Initializing ||
+                    (state_ == TrackingState::Tracking && last_.inliers < settings_.weak_below);
+  return weak ? extraction_.capacity() : extraction_.features;
 }
 
 bool Tracker::initialize() {

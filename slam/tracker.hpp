@@ -29,6 +29,7 @@ class Tracker {
   int relocalizations() const { return relocalizations_; }
 
  private:
+  int wantedFeatures() const;
   void beginFrame(const GrayView& image, std::int64_t frame, double timestamp_s);
   bool initialize();
   bool trackFromLastFrame();
@@ -46,6 +47,7 @@ class Tracker {
   PoseEstimate report();
 
   TrackerSettings settings_;
+  ExtractorSettings extraction_;
   CameraModel camera_;
   Map& map_;
   Mapper& mapper_;

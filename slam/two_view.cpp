@@ -100,12 +100,10 @@ TwoViewResult::Refusal TwoViewInitializer::proposeMotions(TwoViewResult& result,
   for (int k = 0; k < homography_motions; ++k)
     hypotheses_[count++].T_second_first = from_homography[k];
 
-  Eigen::Vector3d point;
   int most = 0;
   for (Hypothesis& h : std::span(hypotheses_).first(count)) {
     h.points = 0;
-    for (int i = 0; i < matches_.size(); ++i)
-      h.points += triangulateMatch(h.T_second_first, i, point);
+    for (int i = 0; i < matches_.size(); ++i) h.points += explains(h.T_second_first, i);
     most = std::max(most, h.points);
   }
   if (most < settings_.min_inliers) return Refusal::PoorFit;
@@ -152,14 +150,30 @@ bool TwoViewInitializer::triangulateMatch(const Pose& T_second_first, int match,
   return std::max(first, second) * inv_sigma2 < kChi2TwoDof95;
 }
 
+/// Squared error of a match over both views [sigma^2], were its point at infinity: half of the
+/// distance is on either side then.
+double TwoViewInitializer::costAtInfinity(const Pose& T_second_first, int match) const {
+  const Eigen::Vector3d ray = T_second_first.R * matches_.first[match].homogeneous();
+  if (ray.z() < kMinDepth) return std::numeric_limits<double>::infinity();
+  return (camera_.project(ray) - matches_.second_px[match]).squaredNorm() /
+         (2 * sigma_px_ * sigma_px_);
+}
+
+/// Whether a point in front of both cameras, or at infinity, would be seen where the match is. Of
+/// points too far for their parallax noise puts every other one behind the cameras, which speaks
+/// for no other motion.
+bool TwoViewInitializer::explains(const Pose& T_second_first, int match) const {
+  Eigen::Vector3d point;
+  return triangulateMatch(T_second_first, match, point) ||
+         costAtInfinity(T_second_first, match) / 2 < kChi2TwoDof95;
+}
+
 /// Epipolar refinement over the matches that agree with the motion, which are then chosen again.
 /// Returns the standard deviation of the direction of translation [rad].
 double TwoViewInitializer::refineMotion(Pose& T_second_first) {
-  Eigen::Vector3d point;
   double direction_sigma_rad = 0;
   for (int round = 0; round < kRefinementRounds; ++round) {
-    for (int i = 0; i < matches_.size(); ++i)
-      selected_[i] = triangulateMatch(T_second_first, i, point);
+    for (int i = 0; i < matches_.size(); ++i) selected_[i] = explains(T_second_first, i);
     direction_sigma_rad = refineEpipolarGeometry(matches_, selected_, sigma_px_,
                                                  kRefinementIterations, T_second_first);
   }
@@ -190,7 +204,8 @@ double TwoViewInitializer::truncatedCost(const Pose& T_second_first) const {
   for (int i = 0; i < matches_.size(); ++i) {
     Eigen::Vector3d point;
     double chi2 = std::numeric_limits<double>::infinity();
-    triangulateMatch(T_second_first, i, point, &chi2);
+    if (!triangulateMatch(T_second_first, i, point, &chi2))
+      chi2 = std::min(chi2, costAtInfinity(T_second_first, i));
     cost += std::min(chi2, kChi2TwoDof95);
   }
   return cost;
@@ -220,7 +235,9 @@ TwoViewResult::Refusal TwoViewInitializer::acceptPoints(const Pose& T_second_fir
   const auto median = parallax_deg_.begin() + static_cast<std::ptrdiff_t>(parallax_deg_.size() / 2);
   std::nth_element(parallax_deg_.begin(), median, parallax_deg_.end());
   result.median_parallax_deg = *median;
-  return reliable < settings_.min_inliers ? Refusal::LowParallax : Refusal::None;
+  return reliable < std::max<double>(settings_.min_inliers, settings_.min_reliable_share * placed)
+             ? Refusal::LowParallax
+             : Refusal::None;
 }
 
 }  // namespace depthscope::slam

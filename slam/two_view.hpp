@@ -17,6 +17,7 @@ struct TwoViewSettings {
   int ransac_iterations = 200;
   int min_inliers = 50;                // matches that agree with the model, and points in the end
   double max_depth_sigma = 0.2;        // relative, of `min_inliers` points at least
+  double min_reliable_share = 0.25;    // of the points that must have such a depth
   double max_point_depth_sigma = 0.5;  // above it a point is not handed on: its depth is a guess
   double homography_score_ratio =
       0.45;                         // R_H above: homography (Mur-Artal et al. 2015, section IV)
@@ -72,7 +73,7 @@ class TwoViewInitializer {
   using Refusal = TwoViewResult::Refusal;
   struct Hypothesis {
     Pose T_second_first;
-    int points = 0;   // in front of both cameras and reprojected within the noise
+    int points = 0;   // matches that it explains
     double cost = 0;  // robust, [sigma^2], after refinement
     double direction_sigma_rad = 0;
   };
@@ -83,6 +84,8 @@ class TwoViewInitializer {
   Refusal acceptPoints(const Pose& T_second_first, TwoViewResult& result);
   bool triangulateMatch(const Pose& T_second_first, int match, Eigen::Vector3d& point,
                         double* chi2 = nullptr) const;
+  double costAtInfinity(const Pose& T_second_first, int match) const;
+  bool explains(const Pose& T_second_first, int match) const;
   double refineMotion(Pose& T_second_first);
   void adjustBundle(Pose& T_second_first);
   double truncatedCost(const Pose& T_second_first) const;

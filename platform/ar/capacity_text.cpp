@@ -11,7 +11,7 @@ std::string capacityText(const slam::SlamSettings& settings, const slam::SlamMem
   std::snprintf(text, sizeof text,
                 "%d keyframes of %d features (%.1f MB), %d points of %d observations (%.1f MB), "
                 "places (%.1f MB), adjustment (%.1f MB): %.1f MB",
-                c.keyframes, settings.extractor.features, mb(memory.keyframes), c.map_points,
+                c.keyframes, settings.extractor.capacity(), mb(memory.keyframes), c.map_points,
                 c.observations_per_point, mb(memory.points), mb(memory.places),
                 mb(memory.adjustment), mb(memory.total()));
   return text;

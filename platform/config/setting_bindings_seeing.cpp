@@ -50,6 +50,8 @@ void bindSlam(SettingBinder& b, slam::SlamSettings& s) {
   b.section("slam.extractor");
   b.number("features", s.extractor.features, 100, 10000,
            "features kept per frame, over all levels");
+  b.number("features_at_most", s.extractor.features_at_most, 100, 10000,
+           "where no map has begun yet or few points are found");
   b.number("levels", s.extractor.levels, 1, 12, "pyramid levels");
   b.number("scale_factor", s.extractor.scale_factor, 1.05, 2, "between pyramid levels");
   b.number("fast_threshold", s.extractor.fast_threshold, 1, 255,
@@ -110,6 +112,8 @@ void bindSlam(SettingBinder& b, slam::SlamSettings& s) {
            "share of the last frame's points; less: lost");
   b.number("min_found", s.tracker.min_found, 0, 1,
            "share of the points expected in the picture; less in the local map: lost");
+  b.number("weak_below", s.tracker.weak_below, 0, 10000,
+           "points found in the last frame: fewer, and features_at_most are looked for");
   b.number("carry_below", s.tracker.carry_below, 0, 10000,
            "fewer points of the last frame found by descriptor: optical flow carries the others; "
            "0: never");

@@ -74,7 +74,7 @@ inline GrayView viewOf(const cv::Mat& m) {
 
 inline SlamSettings testSettings() {
   SlamSettings s;
-  s.extractor.features = 600;
+  s.extractor.features = s.extractor.features_at_most = 600;
   s.capacity.keyframes = 64;
   s.capacity.map_points = 8000;
   s.trajectory_frames = 200;

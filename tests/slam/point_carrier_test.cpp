@@ -17,7 +17,7 @@ constexpr double kShift_px = 7.4;
 
 SlamSettings settings(int features) {
   SlamSettings s;
-  s.extractor.features = features;
+  s.extractor.features = s.extractor.features_at_most = features;
   s.capacity.keyframes = 4;
   s.capacity.map_points = 1000;
   return s;

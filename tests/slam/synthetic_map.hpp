@@ -21,7 +21,7 @@ inline CameraModel testCameraModel() {
 
 inline SlamSettings smallSettings() {
   SlamSettings s;
-  s.extractor.features = 400;
+  s.extractor.features = s.extractor.features_at_most = 400;
   s.capacity.keyframes = 12;
   s.capacity.map_points = 2000;
   s.capacity.observations_per_point = 16;

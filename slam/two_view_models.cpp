@@ -71,14 +71,16 @@ class EpipolarErrors {
 
 /// Score and inliers of a model whose squared errors must be below `threshold` [sigma^2]. What an
 /// error leaves is measured from the homography's threshold for both models, as the paper has it,
-/// so that their scores compare.
+/// so that their scores compare. Left unfinished where it can no longer be above `to_beat`.
 template <class Errors>
 void score(const TwoViewMatches& m, const Errors& errors, double threshold, double sigma_px,
-           TwoViewModel& model) {
+           double to_beat, TwoViewModel& model) {
+  constexpr int kBlock = 32;
   const double inv_sigma2 = 1 / (sigma_px * sigma_px);
   model.score = 0;
   model.inliers = 0;
   for (int i = 0; i < m.size(); ++i) {
+    if (i % kBlock == 0 && model.score + 2 * kChi2TwoDof95 * (m.size() - i) <= to_beat) return;
     const TransferErrors e = errors(m.first_px[i], m.second_px[i]);
     const double e1 = e.in_second * inv_sigma2, e2 = e.in_first * inv_sigma2;
     const bool ok1 = e1 < threshold, ok2 = e2 < threshold;
@@ -92,7 +94,7 @@ void tryHomography(const TwoViewMatches& m, std::span<const Eigen::Vector2d> fir
                    std::span<const Eigen::Vector2d> second, double sigma_px, TwoViewModel& best) {
   TwoViewModel model;
   if (!fitHomography(first, second, model.matrix)) return;
-  score(m, HomographyErrors(m.camera, model.matrix), kChi2TwoDof95, sigma_px, model);
+  score(m, HomographyErrors(m.camera, model.matrix), kChi2TwoDof95, sigma_px, best.score, model);
   if (model.score > best.score) best = model;
 }
 
@@ -150,7 +152,8 @@ void TwoViewModelFinder::find(const TwoViewMatches& m, double sigma_px, int iter
     const int count = solveEssentialFivePoint(first, second, candidates);
     for (int k = 0; k < count; ++k) {
       TwoViewModel model{candidates[k], 0, 0};
-      score(m, EpipolarErrors(m.camera, model.matrix), kChi2OneDof95, sigma_px, model);
+      score(m, EpipolarErrors(m.camera, model.matrix), kChi2OneDof95, sigma_px, essential.score,
+            model);
       if (model.score > essential.score) essential = model;
     }
   }
@@ -179,7 +182,7 @@ int countRotationInliers(const TwoViewMatches& m, double sigma_px, int iteration
   TwoViewModel best;
   const auto tryRotation = [&](const Eigen::Matrix3d& covariance) {
     TwoViewModel model{rotationFromCovariance(covariance), 0, 0};
-    score(m, HomographyErrors(m.camera, model.matrix), kChi2TwoDof95, sigma_px, model);
+    score(m, HomographyErrors(m.camera, model.matrix), kChi2TwoDof95, sigma_px, best.score, model);
     if (model.score > best.score) best = model;
   };
   for (int i = 0; i < iterations; ++i) {

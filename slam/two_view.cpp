@@ -217,9 +217,10 @@ TwoViewResult::Refusal TwoViewInitializer::acceptPoints(const Pose& T_second_fir
   result.T_second_first = T_second_first;
   const Eigen::Vector3d second_centre = T_second_first.inverse().t;
   parallax_deg_.clear();
-  int reliable = 0;
+  int reliable = 0, explained = 0;
   for (int i = 0; i < matches_.size(); ++i) {
     Eigen::Vector3d& point = result.points[i];
+    explained += explains(T_second_first, i);
     if (!triangulateMatch(T_second_first, i, point)) continue;
     const double cosine = parallaxCosine(point, Eigen::Vector3d::Zero(), second_centre);
     const double parallax_rad = std::acos(std::clamp(cosine, -1.0, 1.0));
@@ -230,7 +231,7 @@ TwoViewResult::Refusal TwoViewInitializer::acceptPoints(const Pose& T_second_fir
     parallax_deg_.push_back(parallax_rad * kDegrees);
   }
   const auto placed = static_cast<double>(parallax_deg_.size());
-  if (placed < settings_.min_kept_share * model_inliers_ || placed < settings_.min_inliers)
+  if (explained < settings_.min_kept_share * model_inliers_ || placed < settings_.min_inliers)
     return Refusal::PoorFit;
   const auto median = parallax_deg_.begin() + static_cast<std::ptrdiff_t>(parallax_deg_.size() / 2);
   std::nth_element(parallax_deg_.begin(), median, parallax_deg_.end());

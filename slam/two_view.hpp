@@ -26,7 +26,7 @@ struct TwoViewSettings {
       0.7;  // a motion that places this share of the points the best does competes
   double max_direction_sigma_deg =
       4;                        // of the translation, as the matches and sigma_px foretell it
-  double min_kept_share = 0.7;  // of the model's inliers that must become points
+  double min_kept_share = 0.7;  // of the model's inliers that the motion must explain
 };
 
 struct TwoViewResult {
@@ -40,7 +40,7 @@ struct TwoViewResult {
     Ambiguous,     // two motions explain the matches about as well
     LowParallax,   // too few points have a depth to rely on
     Uncertain,     // the direction of the translation is hardly determined
-    PoorFit,       // too few of the inliers became points
+    PoorFit,       // too few of the inliers fit, or became points
   };
 
   Refusal refusal = Refusal::None;

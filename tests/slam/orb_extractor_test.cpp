@@ -109,6 +109,16 @@ TEST(OrbExtractor, FindsAsManyFeaturesAsAskedFor) {
   EXPECT_EQ(features.descriptors.size(), features.keypoints.size());
 }
 
+TEST(OrbExtractor, FindsMoreWhereMoreAreWanted) {
+  const ImageBuffer image = testing::draw(kWidth, kHeight, tissue);
+  OrbExtractor extractor(unitSigma(), pinhole());
+  FeatureSet features(ExtractorSettings{}.capacity(), pinhole());
+  for (const int wanted : {300, 1500}) {
+    extractor.extract(image.view(), wanted, features);
+    EXPECT_EQ(features.size(), wanted);
+  }
+}
+
 TEST(OrbExtractor, LowersItsThresholdsWhereThereIsLittleTexture) {
   const ImageBuffer image = testing::draw(kWidth, kHeight, [](double x, double y) {
     return 100 + 0.14 * testing::TissueTexture(22)(x, y);

@@ -236,6 +236,24 @@ TEST(SlamSystem, TellsWhichFramesAreKeyframesAndWhatTheySee) {
     EXPECT_EQ(sightings[i], cloud.points[i].observations);
 }
 
+TEST(SlamSystem, LooksForMoreFeaturesToBeginAMapAndWhereFewAreFound) {
+  constexpr int kFeatures = 90;
+  const PlaneWorld world;
+  SlamSettings settings = testSettings();
+  settings.extractor.features = kFeatures;
+  int points[2];
+  for (const bool weak : {false, true}) {
+    settings.tracker.weak_below = weak ? 600 : 0;
+    SlamSystem slam(testCameraModel(), settings, MappingMode::Lockstep);
+    int frame = 0;
+    for (; frame < 30 && slam.statistics().maps == 0; ++frame) run(slam, world, frame, frame + 1);
+    EXPECT_GT(slam.statistics().map_points, kFeatures);
+    EXPECT_EQ(run(slam, world, frame, frame + 30).back().state, TrackingState::Tracking);
+    points[weak] = slam.statistics().map_points;
+  }
+  EXPECT_GT(points[true], 2 * points[false]);
+}
+
 TEST(SlamSystem, ResetForgetsTheMap) {
   const PlaneWorld world;
   SlamSystem slam(testCameraModel(), testSettings(), MappingMode::Lockstep);

@@ -108,6 +108,43 @@ TEST(TwoView, reconstructsFromLittleParallaxWhenAllowedTo) {
   EXPECT_LT(medianDepthError(r, points, truth), 0.1);
 }
 
+/// Near tissue before a far background whose parallax drowns in the noise: every other far point
+/// seems to lie behind the cameras.
+Matches nearBeforeFar(int near, const Pose& T_second_first, unsigned seed) {
+  auto points = volumePoints(near, seed, 3, 6);
+  const auto far = volumePoints(kMatches - near, seed + 1, 2000, 4000);
+  points.insert(points.end(), far.begin(), far.end());
+  return project(points, T_second_first, 0.6, 0, seed + 2);
+}
+
+TEST(TwoView, takesFarPointsForFarAndNotForMisfits) {
+  const Pose truth = cameraAt({0.2, 0.05, 0.05}, {0.01, -0.01, 0.02});
+  TwoViewSettings settings;
+  settings.sigma_px = 0.6;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const Matches m = nearBeforeFar(kMatches / 2, truth, 3 * seed);
+    TwoViewResult r;
+    ASSERT_TRUE(initializer(settings).reconstruct(m.first, m.second, r))
+        << seed << ": " << static_cast<int>(r.refusal);
+    expectMotion(r, truth, 0.2, 10);
+  }
+}
+
+TEST(TwoView, refusesAStartOfWhichButAFewPointsHaveADepth) {
+  const Pose truth = cameraAt({0.2, 0.05, 0.05}, {0.01, -0.01, 0.02});
+  TwoViewSettings settings;
+  settings.sigma_px = 0.6;
+  settings.max_rotation_share = 1;
+  settings.min_inliers = 20;
+  const Matches m = nearBeforeFar(kMatches / 10, truth, 1);
+  TwoViewResult r;
+  EXPECT_FALSE(initializer(settings).reconstruct(m.first, m.second, r));
+  EXPECT_EQ(r.refusal, Refusal::LowParallax);
+  settings.min_reliable_share = 0;
+  EXPECT_TRUE(initializer(settings).reconstruct(m.first, m.second, r))
+      << static_cast<int>(r.refusal);
+}
+
 TEST(TwoView, refusesPureRotation) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const auto points = volumePoints(kMatches, seed, 3, 7);

@@ -8,8 +8,7 @@ namespace depthscope::slam {
 /// Feature extraction (slam/orb_extractor).
 struct ExtractorSettings {
   int features = 1000;  // kept per frame, over all levels
-  // Where no map has begun yet, and where fewer points were found in the last frame than
-  // TrackerSettings::weak_below.
+  // Where no map begins, and where few points are found (TrackerSettings::weak_below).
   int features_at_most = 2000;
   int capacity() const { return std::max(features, features_at_most); }
   int levels = 8;             // pyramid levels
@@ -96,6 +95,10 @@ struct TrackerSettings {
   // second.
   double new_map_after_s = 0.5;
   int local_keyframes = 40;  // that a frame's local map is made from
+  // Points found in the last frame: fewer than these and than half of those in view, and
+  // features_at_most are looked for. Without it two clips of dark, smooth tissue were lost once
+  // each and tracked in 90 and 91 % of the frames, with it in 97 and 97 %, never lost; with 200 the
+  // second was still lost. Twice the features everywhere take a third more time.
   int weak_below = 250;
   // Of the points of the last frame found by descriptor: fewer, and optical flow carries the
   // others, each step with an error of its own [px of the feature's level]. Without it two clips of

@@ -11,6 +11,7 @@ namespace depthscope::slam {
 
 namespace {
 constexpr int kYoungMapKeyframes = 5;     // a map this small is quicker made anew than found again
+constexpr double kQuickStart_s = 0.25;    // a map begins within, where there is texture
 constexpr double kYoungMapWaits_s = 0.1;  // but a blurred picture or two do not end it
 }  // namespace
 
@@ -57,7 +58,7 @@ PoseEstimate Tracker::track(const GrayView& image, std::int64_t frame, double ti
 void Tracker::beginFrame(const GrayView& image, std::int64_t frame, double timestamp_s) {
   std::swap(current_, last_);
   const auto start = std::chrono::steady_clock::now();
-  extractor_.extract(image, wantedFeatures(), current_.features);
+  extractor_.extract(image, wantedFeatures(timestamp_s), current_.features);
   extract_ms_ =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   current_.frame = frame;
@@ -69,12 +70,16 @@ void Tracker::beginFrame(const GrayView& image, std::int64_t frame, double times
   wants_keyframe_ = wants_picture_ = false;
 }
 
-/// More where few are found again, and to begin a map from, which all that follows rests on (as
-/// Mur-Artal et al. do).
-int Tracker::wantedFeatures() const {
-  const bool weak = state_ == TrackingState::Initializing ||
-                    (state_ == TrackingState::Tracking && last_.inliers < settings_.weak_below);
-  return weak ? extraction_.capacity() : extraction_.features;
+/// More where few are found again of those that should be, and where no map can be begun: all that
+/// follows rests on its first points (Mur-Artal et al. begin with more, too).
+int Tracker::wantedFeatures(double timestamp_s) {
+  if (state_ != TrackingState::Initializing)
+    without_map_since_s_.reset();
+  else if (!without_map_since_s_)
+    without_map_since_s_ = timestamp_s;
+  const bool more =
+      without_map_since_s_ ? timestamp_s - *without_map_since_s_ > kQuickStart_s : few_found_;
+  return more ? extraction_.capacity() : extraction_.features;
 }
 
 bool Tracker::initialize() {
@@ -99,7 +104,7 @@ bool Tracker::initialize() {
   current_.tracked = true;
   current_.inliers = inliers_;
   current_.depth = 0;
-  has_motion_ = false;
+  few_found_ = has_motion_ = false;
   record(true);
   return true;
 }
@@ -144,6 +149,7 @@ bool Tracker::trackFromLastFrame() {
 
 void Tracker::handleLoss() {
   ++lost_events_;
+  few_found_ = false;
   recovery_.begin(last_, has_motion_ ? &T_current_last_ : nullptr, current_.timestamp_s);
   has_motion_ = false;
   initializer_.reset();
@@ -193,6 +199,7 @@ void Tracker::reset() {
 void Tracker::finishTracked() {
   current_.tracked = true;
   current_.inliers = inliers_;
+  few_found_ = inliers_ < settings_.weak_below && 2 * inliers_ < pose_tracker_.findable(current_);
   last_had_motion_ = has_motion_;
   has_motion_ = last_.tracked;
   if (has_motion_) T_current_last_ = current_.T_camera_world * last_.T_camera_world.inverse();

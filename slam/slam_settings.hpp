@@ -98,7 +98,7 @@ struct TrackerSettings {
   // Points found in the last frame: fewer than these and than half of those in view, and
   // features_at_most are looked for. Without it two clips of dark, smooth tissue were lost once
   // each and tracked in 90 and 91 % of the frames, with it in 97 and 97 %, never lost; with 200 the
-  // second was still lost. Twice the features everywhere take a third more time.
+  // second was still lost. Twice the features everywhere take half as long again.
   int weak_below = 250;
   // Of the points of the last frame found by descriptor: fewer, and optical flow carries the
   // others, each step with an error of its own [px of the feature's level]. Without it two clips of

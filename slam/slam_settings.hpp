@@ -10,7 +10,6 @@ struct ExtractorSettings {
   int features = 1000;  // kept per frame, over all levels
   // Where no map begins, and where few points are found (TrackerSettings::weak_below).
   int features_at_most = 2000;
-  int capacity() const { return std::max(features, features_at_most); }
   int levels = 8;             // pyramid levels
   double scale_factor = 1.2;  // between levels
   // FAST thresholds on pictures smoothed by a Gaussian of sigma 0.7, which takes half of a corner's
@@ -33,6 +32,9 @@ struct ExtractorSettings {
   // view. Fixed, with a third of the light a hovering scope was lost seven times and off by 9 mm;
   // now it is not lost and off by 0.25 mm.
   int dark_threshold = 24;  // [grey levels]
+
+  /// Features of a frame, of whichever kind.
+  int capacity() const { return std::max(features, features_at_most); }
 };
 
 /// Fixed capacities: what is allocated at start and never grows.

@@ -11,8 +11,8 @@ namespace depthscope::slam {
 
 namespace {
 constexpr int kYoungMapKeyframes = 5;     // a map this small is quicker made anew than found again
-constexpr double kQuickStart_s = 0.25;    // a map begins within, where there is texture
 constexpr double kYoungMapWaits_s = 0.1;  // but a blurred picture or two do not end it
+constexpr double kQuickStart_s = 0.25;    // within which a map begins where there is texture
 }  // namespace
 
 Tracker::Tracker(const CameraModel& camera, const SlamSettings& settings, Map& map,
@@ -57,6 +57,10 @@ PoseEstimate Tracker::track(const GrayView& image, std::int64_t frame, double ti
 
 void Tracker::beginFrame(const GrayView& image, std::int64_t frame, double timestamp_s) {
   std::swap(current_, last_);
+  if (state_ != TrackingState::Initializing)
+    without_map_since_s_.reset();
+  else if (!without_map_since_s_)
+    without_map_since_s_ = timestamp_s;
   const auto start = std::chrono::steady_clock::now();
   extractor_.extract(image, wantedFeatures(timestamp_s), current_.features);
   extract_ms_ =
@@ -72,11 +76,7 @@ void Tracker::beginFrame(const GrayView& image, std::int64_t frame, double times
 
 /// More where few are found again of those that should be, and where no map can be begun: all that
 /// follows rests on its first points (Mur-Artal et al. begin with more, too).
-int Tracker::wantedFeatures(double timestamp_s) {
-  if (state_ != TrackingState::Initializing)
-    without_map_since_s_.reset();
-  else if (!without_map_since_s_)
-    without_map_since_s_ = timestamp_s;
+int Tracker::wantedFeatures(double timestamp_s) const {
   const bool more =
       without_map_since_s_ ? timestamp_s - *without_map_since_s_ > kQuickStart_s : few_found_;
   return more ? extraction_.capacity() : extraction_.features;

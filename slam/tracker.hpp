@@ -31,7 +31,7 @@ class Tracker {
   int relocalizations() const { return relocalizations_; }
 
  private:
-  int wantedFeatures(double timestamp_s);
+  int wantedFeatures(double timestamp_s) const;
   void beginFrame(const GrayView& image, std::int64_t frame, double timestamp_s);
   bool initialize();
   bool trackFromLastFrame();
@@ -69,8 +69,8 @@ class Tracker {
   int corrections_seen_ = 0;
   KeyframeId reference_ = kNone;  // the keyframe that shares most points with the current frame
   int inliers_ = 0;
-  bool few_found_ = false;  // in the last frame, of those that should have been
-  std::optional<double> without_map_since_s_;
+  bool few_found_ = false;                     // in the last frame, of those that should have been
+  std::optional<double> without_map_since_s_;  // while one is to be begun
   int lost_events_ = 0, relocalizations_ = 0;
   bool wants_keyframe_ = false, wants_picture_ = false;
   double extract_ms_ = 0;

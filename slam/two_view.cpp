@@ -159,13 +159,16 @@ double TwoViewInitializer::costAtInfinity(const Pose& T_second_first, int match)
          (2 * sigma_px_ * sigma_px_);
 }
 
-/// Whether a point in front of both cameras, or at infinity, would be seen where the match is. Of
-/// points too far for their parallax noise puts every other one behind the cameras, which speaks
-/// for no other motion.
+/// Whether a point at infinity would be seen where the match is. Of points too far for their
+/// parallax noise puts every other one behind the cameras, which speaks for no other motion.
+bool TwoViewInitializer::mayBeFar(const Pose& T_second_first, int match) const {
+  return costAtInfinity(T_second_first, match) / 2 < kChi2TwoDof95;
+}
+
+/// Whether a point in front of both cameras, or at infinity, would be seen where the match is.
 bool TwoViewInitializer::explains(const Pose& T_second_first, int match) const {
   Eigen::Vector3d point;
-  return triangulateMatch(T_second_first, match, point) ||
-         costAtInfinity(T_second_first, match) / 2 < kChi2TwoDof95;
+  return triangulateMatch(T_second_first, match, point) || mayBeFar(T_second_first, match);
 }
 
 /// Epipolar refinement over the matches that agree with the motion, which are then chosen again.
@@ -217,11 +220,13 @@ TwoViewResult::Refusal TwoViewInitializer::acceptPoints(const Pose& T_second_fir
   result.T_second_first = T_second_first;
   const Eigen::Vector3d second_centre = T_second_first.inverse().t;
   parallax_deg_.clear();
-  int reliable = 0, explained = 0;
+  int reliable = 0, far = 0;
   for (int i = 0; i < matches_.size(); ++i) {
     Eigen::Vector3d& point = result.points[i];
-    explained += explains(T_second_first, i);
-    if (!triangulateMatch(T_second_first, i, point)) continue;
+    if (!triangulateMatch(T_second_first, i, point)) {
+      far += mayBeFar(T_second_first, i);
+      continue;
+    }
     const double cosine = parallaxCosine(point, Eigen::Vector3d::Zero(), second_centre);
     const double parallax_rad = std::acos(std::clamp(cosine, -1.0, 1.0));
     const double depth_sigma = std::numbers::sqrt2 * sigma_px_ / (camera_.fx * parallax_rad);
@@ -231,7 +236,7 @@ TwoViewResult::Refusal TwoViewInitializer::acceptPoints(const Pose& T_second_fir
     parallax_deg_.push_back(parallax_rad * kDegrees);
   }
   const auto placed = static_cast<double>(parallax_deg_.size());
-  if (explained < settings_.min_kept_share * model_inliers_ || placed < settings_.min_inliers)
+  if (placed + far < settings_.min_kept_share * model_inliers_ || placed < settings_.min_inliers)
     return Refusal::PoorFit;
   const auto median = parallax_deg_.begin() + static_cast<std::ptrdiff_t>(parallax_deg_.size() / 2);
   std::nth_element(parallax_deg_.begin(), median, parallax_deg_.end());

@@ -85,6 +85,7 @@ class TwoViewInitializer {
   bool triangulateMatch(const Pose& T_second_first, int match, Eigen::Vector3d& point,
                         double* chi2 = nullptr) const;
   double costAtInfinity(const Pose& T_second_first, int match) const;
+  bool mayBeFar(const Pose& T_second_first, int match) const;
   bool explains(const Pose& T_second_first, int match) const;
   double refineMotion(Pose& T_second_first);
   void adjustBundle(Pose& T_second_first);

@@ -51,7 +51,7 @@ void bindSlam(SettingBinder& b, slam::SlamSettings& s) {
   b.number("features", s.extractor.features, 100, 10000,
            "features kept per frame, over all levels");
   b.number("features_at_most", s.extractor.features_at_most, 100, 10000,
-           "where no map has begun yet or few points are found");
+           "where no map begins in 0.25 s or few points are found; at least features count");
   b.number("levels", s.extractor.levels, 1, 12, "pyramid levels");
   b.number("scale_factor", s.extractor.scale_factor, 1.05, 2, "between pyramid levels");
   b.number("fast_threshold", s.extractor.fast_threshold, 1, 255,
@@ -113,7 +113,8 @@ void bindSlam(SettingBinder& b, slam::SlamSettings& s) {
   b.number("min_found", s.tracker.min_found, 0, 1,
            "share of the points expected in the picture; less in the local map: lost");
   b.number("weak_below", s.tracker.weak_below, 0, 10000,
-           "points found in the last frame: fewer, and features_at_most are looked for");
+           "points found in the last frame: fewer, and less than half of those in view, and "
+           "features_at_most are looked for");
   b.number("carry_below", s.tracker.carry_below, 0, 10000,
            "fewer points of the last frame found by descriptor: optical flow carries the others; "
            "0: never");

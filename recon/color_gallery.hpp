@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "recon/dense/view_picture.hpp"
+#include "recon/view_picture.hpp"
 
 namespace depthscope::recon {
 

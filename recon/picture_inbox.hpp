@@ -3,7 +3,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "recon/dense/view_picture.hpp"
+#include "recon/view_picture.hpp"
 
 namespace depthscope::recon {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <stop_token>
 
-#include "recon/dense/pinhole_view.hpp"
+#include "recon/pinhole_view.hpp"
 #include "recon/recon_settings.hpp"
 #include "recon/recon_status.hpp"
 #include "recon/surface_change.hpp"

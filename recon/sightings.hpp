@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "recon/dense/pinhole_view.hpp"
+#include "recon/pinhole_view.hpp"
 #include "types/sparse_cloud.hpp"
 
 namespace depthscope::recon {

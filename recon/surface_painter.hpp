@@ -4,7 +4,7 @@
 
 #include "recon/cloud_index.hpp"
 #include "recon/color_gallery.hpp"
-#include "recon/dense/pinhole_view.hpp"
+#include "recon/pinhole_view.hpp"
 #include "types/camera_model.hpp"
 #include "types/surface_mesh.hpp"
 

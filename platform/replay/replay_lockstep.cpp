@@ -4,7 +4,7 @@
 #include "platform/replay/replay_clip.hpp"
 #include "platform/stopwatch.hpp"
 #include "platform/surface_schedule.hpp"
-#include "recon/dense/view_picture.hpp"
+#include "recon/view_picture.hpp"
 #include "types/allocation_scope.hpp"
 
 namespace depthscope::platform {

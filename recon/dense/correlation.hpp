@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include "recon/dense/grid.hpp"
+#include "recon/grid.hpp"
 
 namespace depthscope::recon {
 

@@ -4,9 +4,9 @@
 
 #include "recon/dense/depth_estimator.hpp"
 #include "recon/dense/tsdf_volume.hpp"
-#include "recon/dense/view_picture.hpp"
 #include "recon/dense/view_store.hpp"
 #include "recon/recon_status.hpp"
+#include "recon/view_picture.hpp"
 #include "types/surface_mesh.hpp"
 
 namespace depthscope::recon {

@@ -1,8 +1,8 @@
 #pragma once
 #include <cstdint>
 
-#include "recon/dense/grid.hpp"
-#include "recon/dense/pinhole_view.hpp"
+#include "recon/grid.hpp"
+#include "recon/pinhole_view.hpp"
 #include "types/pose.hpp"
 
 namespace depthscope::recon {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "recon/dense/view_picture.hpp"
+#include "recon/view_picture.hpp"
 #include "types/surroundings.hpp"
 
 namespace depthscope::recon {

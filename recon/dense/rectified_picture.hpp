@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "recon/dense/dense_settings.hpp"
-#include "recon/dense/pinhole_view.hpp"
+#include "recon/pinhole_view.hpp"
 
 namespace depthscope::recon {
 

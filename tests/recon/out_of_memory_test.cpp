@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <new>
 
-#include "recon/dense/view_picture.hpp"
 #include "recon/reconstructor.hpp"
+#include "recon/view_picture.hpp"
 #include "rendered_views.hpp"
 #include "synthetic_cloud.hpp"
 

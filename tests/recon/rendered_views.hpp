@@ -4,8 +4,8 @@
 
 #include "recon/cloud_index.hpp"
 #include "recon/dense/dense_settings.hpp"
-#include "recon/dense/view_picture.hpp"
 #include "recon/sightings.hpp"
+#include "recon/view_picture.hpp"
 #include "synthetic_cloud.hpp"
 #include "types/camera_model.hpp"
 

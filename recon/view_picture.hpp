@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include "recon/dense/grid.hpp"
+#include "recon/grid.hpp"
 #include "types/color.hpp"
 #include "types/image_view.hpp"
 

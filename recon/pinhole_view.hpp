@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "recon/dense/grid.hpp"
+#include "recon/grid.hpp"
 #include "types/camera_model.hpp"
 
 namespace depthscope::recon {

@@ -1,4 +1,4 @@
-#include "recon/dense/view_picture.hpp"
+#include "recon/view_picture.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "recon/dense/pinhole_view.hpp"
+#include "recon/pinhole_view.hpp"
 
 #include <cmath>
 

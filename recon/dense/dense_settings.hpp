@@ -55,7 +55,11 @@ struct DenseSettings {
   // Below it there is no surface. With 0.5 a hovering scope's surface was off by 0.76 mm instead of
   // 0.83, a sweep over smooth walls complete to 83.6 % instead of 84.6 %.
   double min_confidence = 0.42;
-  double min_island_area = 8;  // [voxels^2] smaller separate pieces are dropped
+  // [voxels^2] Smaller separate pieces are dropped. Next to a highlight the light's mirror image,
+  // far behind the tissue, may be taken for a surface: with 8 two such pieces stood 60 mm behind a
+  // rendered scene (4.3 mm RMS instead of 1.9). With 64 a sweep over smooth walls was complete to
+  // 84.8 % instead of 85.5 %.
+  double min_island_area = 24;
 };
 
 }  // namespace depthscope::recon

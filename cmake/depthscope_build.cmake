@@ -1,4 +1,4 @@
-# Compiler settings and the two functions every folder uses: depthscope_module and depthscope_test.
+# Compiler settings and the functions that folders use.
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
@@ -11,8 +11,8 @@ find_package(Threads REQUIRED)
 
 add_library(depthscope_options INTERFACE)
 target_compile_options(depthscope_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Werror)
-# A portable baseline. Wider SIMD is chosen at run time, function by function, in integer code only,
-# so that one input gives one output on every processor.
+# A portable baseline. Wider SIMD is chosen at run time, function by function, where it gives the same
+# bits, so that one input gives one output on every processor.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(depthscope_options INTERFACE -march=x86-64-v2 -mtune=generic)
 elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
@@ -45,6 +45,12 @@ function(depthscope_module name)
   if(ARG_PCH)
     target_precompile_headers(depthscope_${name} PRIVATE ${ARG_PCH})
   endif()
+endfunction()
+
+# For modules that compute much: results do not depend on which expressions the compiler fuses, and
+# loops become vectors, for neither errno nor the floating-point flags are looked at.
+function(depthscope_exact_floats name)
+  target_compile_options(depthscope_${name} PRIVATE -ffp-contract=off -fno-math-errno -fno-trapping-math)
 endfunction()
 
 # depthscope_test(name SOURCES... LIBRARIES...): one GoogleTest program, each test known to ctest.

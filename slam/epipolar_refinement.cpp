@@ -13,7 +13,7 @@ namespace {
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 
-constexpr double kConvergedStep = 1e-9;  // [rad]
+constexpr double kConvergedStep = 1e-7;  // [rad]: less than a thousandth of a pixel
 
 /// Two directions across t, in which it moves on the unit sphere.
 Eigen::Matrix<double, 3, 2> tangents(const Eigen::Vector3d& t) {

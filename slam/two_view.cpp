@@ -8,7 +8,6 @@
 #include "slam/epipolar_refinement.hpp"
 #include "slam/essential.hpp"
 #include "slam/homography.hpp"
-#include "slam/projection.hpp"
 #include "slam/triangulation.hpp"
 
 namespace depthscope::slam {
@@ -136,18 +135,27 @@ TwoViewResult::Refusal TwoViewInitializer::chooseMotion(std::span<Hypothesis> co
   return Refusal::None;
 }
 
+/// Squared errors [sigma^2] of a point, first camera's frame, in either view; infinite where it is
+/// not in front of the camera.
+TwoViewInitializer::Chi2 TwoViewInitializer::errorsOf(const Pose& T_second_first, int match,
+                                                      const Eigen::Vector3d& point) const {
+  const auto chi2 = [&](const Eigen::Vector3d& p, const Eigen::Vector2d& pixel) {
+    if (p.z() < kMinDepth) return std::numeric_limits<double>::infinity();
+    return (camera_.project(p) - pixel).squaredNorm() / (sigma_px_ * sigma_px_);
+  };
+  return {chi2(point, matches_.first_px[match]),
+          chi2(T_second_first * point, matches_.second_px[match])};
+}
+
 /// Point of a match, first camera's frame, if it is in front of both cameras and reprojects within
 /// the noise; `chi2` is its squared error over both views [sigma^2], whenever there is a point.
 bool TwoViewInitializer::triangulateMatch(const Pose& T_second_first, int match,
                                           Eigen::Vector3d& point, double* chi2) const {
   if (!triangulate(Pose{}, matches_.first[match], T_second_first, matches_.second[match], point))
     return false;
-  const double inv_sigma2 = 1 / (sigma_px_ * sigma_px_);
-  const double first = (camera_.project(point) - matches_.first_px[match]).squaredNorm();
-  const double second =
-      (camera_.project(T_second_first * point) - matches_.second_px[match]).squaredNorm();
-  if (chi2) *chi2 = (first + second) * inv_sigma2;
-  return std::max(first, second) * inv_sigma2 < kChi2TwoDof95;
+  const Chi2 errors = errorsOf(T_second_first, match, point);
+  if (chi2) *chi2 = errors.first + errors.second;
+  return errors.within();
 }
 
 /// Squared error of a match over both views [sigma^2], were its point at infinity: half of the
@@ -167,8 +175,11 @@ bool TwoViewInitializer::mayBeFar(const Pose& T_second_first, int match) const {
 
 /// Whether a point in front of both cameras, or at infinity, would be seen where the match is.
 bool TwoViewInitializer::explains(const Pose& T_second_first, int match) const {
+  // For most matches the cheapest of points will do.
   Eigen::Vector3d point;
-  return triangulateMatch(T_second_first, match, point) || mayBeFar(T_second_first, match);
+  return (rayMidpoint(matches_.first[match], T_second_first, matches_.second[match], point) &&
+          errorsOf(T_second_first, match, point).within()) ||
+         mayBeFar(T_second_first, match) || triangulateMatch(T_second_first, match, point);
 }
 
 /// Epipolar refinement over the matches that agree with the motion, which are then chosen again.

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -7,6 +8,7 @@
 
 #include "slam/bundle_adjuster.hpp"
 #include "slam/intrinsics.hpp"
+#include "slam/projection.hpp"
 #include "slam/two_view_models.hpp"
 #include "types/pose.hpp"
 
@@ -71,6 +73,10 @@ class TwoViewInitializer {
 
  private:
   using Refusal = TwoViewResult::Refusal;
+  struct Chi2 {
+    double first, second;
+    bool within() const { return std::max(first, second) < kChi2TwoDof95; }
+  };
   struct Hypothesis {
     Pose T_second_first;
     int points = 0;   // matches that it explains
@@ -82,6 +88,7 @@ class TwoViewInitializer {
   Refusal proposeMotions(TwoViewResult& result, std::span<Hypothesis>& contenders);
   Refusal chooseMotion(std::span<Hypothesis> contenders, Pose& T_second_first);
   Refusal acceptPoints(const Pose& T_second_first, TwoViewResult& result);
+  Chi2 errorsOf(const Pose& T_second_first, int match, const Eigen::Vector3d& point) const;
   bool triangulateMatch(const Pose& T_second_first, int match, Eigen::Vector3d& point,
                         double* chi2 = nullptr) const;
   double costAtInfinity(const Pose& T_second_first, int match) const;

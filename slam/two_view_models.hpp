@@ -18,8 +18,9 @@ class TwoViewMatches {
 
   int size() const { return static_cast<int>(first_px.size()); }
   const Intrinsics camera;
-  std::vector<Eigen::Vector2d> first_px, second_px;  // [px]
-  std::vector<Eigen::Vector2d> first, second;        // normalized
+  std::vector<Eigen::Vector2d> first_px, second_px;         // [px]
+  std::vector<float> first_x, first_y, second_x, second_y;  // [px] the same, for vectors of them
+  std::vector<Eigen::Vector2d> first, second;               // normalized
 };
 
 /// A model of how the second view follows from the first, found by RANSAC.

@@ -41,6 +41,29 @@ TEST(Triangulation, isAMinimumOfTheReprojectionError) {
   }
 }
 
+TEST(Triangulation, beginsAtTheMidpointOfTheRays) {
+  const Pose T_b_a = kB * kA.inverse();
+  std::mt19937 rng(4);
+  for (const auto& world : volumePoints(50, 5, 2, 9)) {
+    const Eigen::Vector3d truth = kA * world;
+    const Eigen::Vector2d a = truth.hnormalized(), b = (T_b_a * truth).hnormalized();
+    Eigen::Vector3d found;
+    ASSERT_TRUE(rayMidpoint(a, T_b_a, b, found));
+    EXPECT_LT((found - truth).norm(), 1e-9);
+
+    // With noise: as far from the one ray as from the other.
+    const Eigen::Vector2d noisy = b + gaussian2(rng, 2e-3);
+    ASSERT_TRUE(rayMidpoint(a, T_b_a, noisy, found));
+    const auto distance = [](const Eigen::Vector3d& p, const Eigen::Vector2d& direction) {
+      return p.cross(direction.homogeneous().normalized()).norm();
+    };
+    EXPECT_NEAR(distance(found, a), distance(T_b_a * found, noisy), 1e-9);
+  }
+  Eigen::Vector3d untouched = Eigen::Vector3d::Constant(7);
+  EXPECT_FALSE(rayMidpoint({0.1, 0.2}, cameraAt({1, 0, 0}, {0, 0, 0}), {0.1, 0.2}, untouched));
+  EXPECT_EQ(untouched, Eigen::Vector3d::Constant(7));
+}
+
 TEST(Triangulation, refusesParallelRaysAndPointsBehind) {
   Eigen::Vector3d found = Eigen::Vector3d::Constant(7);
   const Pose a, b = cameraAt({1, 0, 0}, {0, 0, 0});

@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kStep = 2;   // [px of the coarsest level] per cell
 constexpr int kReach = 4;  // [cells] around the first and last one seen, where an end is looked for
+constexpr int kLit = 4;    // pixels in a row that end the surroundings: noise lights up one of them
 constexpr float kEdge = 0.006f;  // width of the view's blurred edge, of the picture's height
 
 enum Region : std::uint8_t { kBright, kDark, kSurroundings, kPiece, kView };
@@ -131,8 +132,12 @@ ViewOutline::Span FieldOfView::spanAt(const std::uint8_t* row, double y) const {
   // A cell is one look at the coarsest level, not quite in this row: the end is some cells around.
   int left = pixel(first - kReach), right = pixel(last + 1 + kReach);
   const int left_most = pixel(first + kReach), right_least = pixel(last + 1 - kReach);
-  while (left < left_most && row[left] <= dark_threshold_) ++left;
-  while (right > right_least && row[right] <= dark_threshold_) --right;
+  const auto lit = [&](int begin) {
+    return std::all_of(row + begin, row + begin + kLit,
+                       [&](std::uint8_t grey) { return grey > dark_threshold_; });
+  };
+  while (left < left_most && !lit(left)) ++left;
+  while (right > right_least && !lit(right + 1 - kLit)) --right;
   const float margin = kEdge * static_cast<float>(height_);
   ViewOutline::Span span;
   if (left > 0) span.left = static_cast<float>(left) + margin;

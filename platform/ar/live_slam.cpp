@@ -33,7 +33,7 @@ PoseEstimate LiveSlam::track(const GrayView& luma, const RgbView& color, std::in
   {
     const AllocationScope counted;
     estimate = slam_.track(luma, frame, timestamp_s);
-    view_changed_ |= view_.add(slam_.view(), timestamp_s);
+    view_changed_ |= view_.add(slam_.view(), estimate);
     if (worker_ && slam_.wantsPicture()) worker_->addPicture(luma, color, frame);
   }
   if (estimate.map_id != map_id_) {

@@ -17,7 +17,9 @@ void unite(ViewOutline& with, const ViewOutline& other) {
 
 }  // namespace
 
-bool SteadyView::add(const ViewOutline& seen, double time_s) {
+bool SteadyView::add(const ViewOutline& seen, const PoseEstimate& estimate) {
+  if (estimate.state != TrackingState::Tracking) return false;
+  const double time_s = estimate.timestamp_s;
   if (now_ && time_s - since_s_ >= remembered_s) before_ = std::exchange(now_, std::nullopt);
   if (!now_) since_s_ = time_s;
   if (now_)

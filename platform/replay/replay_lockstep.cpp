@@ -86,8 +86,7 @@ class LockstepReplay {
 
   void show(const capture::Frame& frame, const PoseEstimate& estimate) {
     if (recorder_ == nullptr) return;
-    if (view_.add(slam_.view(), estimate.timestamp_s))
-      recorder_->compositor().setView(view_.view());
+    if (view_.add(slam_.view(), estimate)) recorder_->compositor().setView(view_.view());
     recorder_->show(frame, overlayState(estimate, estimate.timestamp_s), estimate.frame,
                     VideoQueue::WhenFull::Wait, result_.record.metrics().composite);
   }

@@ -145,6 +145,25 @@ TEST(FieldOfView, ItsOutlineLiesInsideTheRoundViewAndCloseToItsEdge) {
   }
 }
 
+TEST(FieldOfView, NoiseBesideADimViewIsNoPartOfIt) {
+  std::mt19937 rng(5);
+  const ImagePyramid pyramid = pyramidOf(testing::draw(kWidth, kHeight, [&](double x, double y) {
+    const bool lit = std::hypot(x - 320, y - 240) < 200;
+    return (lit ? 40.0 : 10.0) + static_cast<double>(rng() % 24);
+  }));
+  FieldOfView view(pyramid);
+  view.update(pyramid, 32);
+  const ViewOutline outline = view.outline(pyramid);
+  for (int band = 0; band < ViewOutline::bands; ++band) {
+    const double y = std::floor((band + 0.5) * kHeight / ViewOutline::bands);
+    const double half2 = 200.0 * 200.0 - (y - 240) * (y - 240);
+    if (half2 < 60 * 60) continue;
+    const ViewOutline::Span& span = outline.spans[static_cast<std::size_t>(band)];
+    EXPECT_NEAR(span.left, 320 - std::sqrt(half2) + 3.5, 5) << y;
+    EXPECT_NEAR(span.right, 320 + std::sqrt(half2) - 3.5, 5) << y;
+  }
+}
+
 TEST(FieldOfView, WithoutSurroundingsTheOutlineIsThePicturesBorder) {
   const ImagePyramid full = pyramidOf(testing::draw(kWidth, kHeight, dim));
   FieldOfView view(full);

@@ -131,7 +131,8 @@ ViewOutline::Span FieldOfView::spanAt(const std::uint8_t* row, double y) const {
   const auto pixel = [&](int c) { return std::clamp(static_cast<int>(c * cell_), 0, width_ - 1); };
   // A cell is one look at the coarsest level, not quite in this row: the end is some cells around.
   int left = pixel(first - kReach), right = pixel(last + 1 + kReach);
-  const int left_most = pixel(first + kReach), right_least = pixel(last + 1 - kReach);
+  const int left_most = std::min(pixel(first + kReach), width_ - kLit);
+  const int right_least = std::max(pixel(last + 1 - kReach), kLit - 1);
   const auto lit = [&](int begin) {
     return std::all_of(row + begin, row + begin + kLit,
                        [&](std::uint8_t grey) { return grey > dark_threshold_; });

@@ -161,6 +161,25 @@ TEST(FieldOfView, NoiseBesideADimViewIsNoPartOfIt) {
   expectRound(view.outline(pyramid), 2.5);
 }
 
+/// So near the border that what is looked at to find an end must not reach beyond the row.
+TEST(FieldOfView, AnOutlineMayBeASliverAtTheBorder) {
+  for (const bool at_left : {true, false}) {
+    const ImagePyramid pyramid = pyramidOf(testing::draw(kWidth, kHeight, [&](double x, double y) {
+      return (at_left ? x < 12 : x > kWidth - 13) ? dim(x, y) : 5;
+    }));
+    FieldOfView view(pyramid);
+    view.update(pyramid, 24);
+    const ViewOutline::Span span = view.outline(pyramid).spans[ViewOutline::bands / 2];
+    ASSERT_FALSE(span.empty());
+    EXPECT_EQ(span.left == -ViewOutline::beyond, at_left);
+    EXPECT_EQ(span.right == ViewOutline::beyond, !at_left);
+    if (at_left)
+      EXPECT_NEAR(span.right, 12 - 2.9, 1.5);
+    else
+      EXPECT_NEAR(span.left, kWidth - 12 + 2.9, 1.5);
+  }
+}
+
 TEST(FieldOfView, WithoutSurroundingsTheOutlineIsThePicturesBorder) {
   const ImagePyramid full = pyramidOf(testing::draw(kWidth, kHeight, dim));
   FieldOfView view(full);

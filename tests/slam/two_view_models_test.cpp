@@ -6,6 +6,7 @@
 #include "slam/essential.hpp"
 #include "slam/homography.hpp"
 #include "slam/projection.hpp"
+#include "slam/transfer_errors.hpp"
 #include "tests/slam/jacobian_check.hpp"
 #include "tests/slam/synthetic_scene.hpp"
 
@@ -53,6 +54,46 @@ TEST(Homography, fitsFourPointsAndMany) {
     ASSERT_TRUE(fitHomography(first, second, H));
     EXPECT_LT(std::min((H - truth).norm(), (H + truth).norm()), 1e-9);
   }
+}
+
+/// Block by block against the definition, the last block not full.
+TEST(TransferErrors, areDistancesOnPixelsInBothViews) {
+  const Intrinsics camera = testCamera();
+  const Pose truth = cameraAt({0.4, 0.1, 0.05}, {0.02, -0.05, 0.03});
+  const Matches m = project(volumePoints(TransferErrors::block + 5, 1, 3, 7), truth, 0.5, 0.3, 2);
+  TwoViewMatches matches(camera, 100);
+  matches.load(m.first, m.second);
+  const Eigen::Matrix3d E = skew(truth.t) * truth.R;
+  const auto to_line2 = [&](const Eigen::Vector3d& line, const Eigen::Vector2d& x) {
+    const double a = line.x() / camera.fx, b = line.y() / camera.fy;
+    return std::pow(line.dot(x.homogeneous()), 2) / (a * a + b * b);
+  };
+  int seen = 0;
+  forEachError(matches, EpipolarErrors(camera, E), [&](int i, float in_second, float in_first) {
+    EXPECT_EQ(i, seen++);
+    const Eigen::Vector2d &x1 = matches.first[i], &x2 = matches.second[i];
+    const double second = to_line2(E * x1.homogeneous(), x2);
+    const double first = to_line2(E.transpose() * x2.homogeneous(), x1);
+    EXPECT_NEAR(in_second, second, 1e-3 * (1 + second));
+    EXPECT_NEAR(in_first, first, 1e-3 * (1 + first));
+  });
+  EXPECT_EQ(seen, matches.size());
+
+  TransferErrors errors;
+  HomographyErrors(camera, truth.R)(matchBlock(matches, TransferErrors::block), errors);
+  const Eigen::Vector2d moved =
+      camera.project(truth.R * matches.first[TransferErrors::block].homogeneous());
+  const double distance2 = (moved - matches.second_px[TransferErrors::block]).squaredNorm();
+  EXPECT_NEAR(errors.in_second[0], distance2, 1e-3 * (1 + distance2));
+  EXPECT_TRUE(std::isinf(errors.in_second[5]));
+
+  errors.in_second.fill(7);
+  errors.in_first.fill(3);
+  errors.in_first[30] = 1;
+  errors.in_second[30] = 2;
+  const Left left = whatIsLeft(errors, 5, 6);
+  EXPECT_EQ(left.inliers, 1);
+  EXPECT_FLOAT_EQ(left.sum, 31 * (6 - 3) + (6 - 1) + (6 - 2));
 }
 
 TEST(Essential, fivePointsFindTheTruthInGeneralAndPlanarScenes) {

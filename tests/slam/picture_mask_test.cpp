@@ -161,7 +161,7 @@ TEST(FieldOfView, NoiseBesideADimViewIsNoPartOfIt) {
   expectRound(view.outline(pyramid), 2.5);
 }
 
-/// So near the border that what is looked at to find an end must not reach beyond the row.
+/// On one side it ends with the picture, on the other, a few pixels on, by itself.
 TEST(FieldOfView, AnOutlineMayBeASliverAtTheBorder) {
   for (const bool at_left : {true, false}) {
     const ImagePyramid pyramid = pyramidOf(testing::draw(kWidth, kHeight, [&](double x, double y) {

@@ -31,7 +31,8 @@ struct BestTwo {
 
 }  // namespace
 
-Matcher::Matcher(const MatchingSettings& settings, int max_features) : settings_(settings) {
+Matcher::Matcher(const MatchingSettings& settings, int max_features)
+    : settings_(settings), search_(max_features) {
   candidates_.resize(max_features);
   best_distance_.resize(max_features);
   reverse_.resize(max_features);
@@ -94,11 +95,10 @@ int Matcher::matchByDescriptor(const FeatureSet& from, std::span<const std::uint
   std::fill(matches.begin(), matches.end(), kNone);
   std::fill(reverse_.begin(), reverse_.end(), kNone);
   std::fill(best_distance_.begin(), best_distance_.end(), kFar);
+  search_.assign(to.descriptors);
   for (int i = 0; i < from.size(); ++i) {
     if (!wanted[i]) continue;
-    BestTwo best;
-    for (int j = 0; j < to.size(); ++j)
-      best.offer(j, hammingDistance(from.descriptors[i], to.descriptors[j]), 0);
+    const DescriptorSearch::Nearest best = search_.nearest(from.descriptors[i]);
     if (best.distance > max_hamming || best.distance > ratio * best.second_distance) continue;
     if (best.distance >= best_distance_[best.index]) continue;
     if (reverse_[best.index] != kNone) matches[reverse_[best.index]] = kNone;

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "slam/descriptor_search.hpp"
 #include "slam/features.hpp"
 #include "slam/local_map.hpp"
 #include "slam/slam_settings.hpp"
@@ -57,6 +58,7 @@ class Matcher {
   MatchingSettings settings_;
   std::vector<std::uint32_t> candidates_;  // indices from the grid
   std::vector<int> best_distance_, reverse_;
+  DescriptorSearch search_;
 };
 
 }  // namespace depthscope::slam

@@ -1,7 +1,7 @@
 #include "slam/p3p.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace depthscope::slam {
@@ -61,6 +61,18 @@ bool polish(const Constraints& k, Eigen::Vector3d& l) {
   return false;
 }
 
+/// The eigenvector to `value` of a symmetric matrix; the other eigenvalues are not near to it.
+Eigen::Vector3d eigenvectorOf(const Eigen::Matrix3d& M, double value) {
+  const Eigen::Matrix3d N = M - value * Eigen::Matrix3d::Identity();
+  // Of rank two: what is normal to two of its columns, the two most different in direction.
+  Eigen::Vector3d longest = N.col(0).cross(N.col(1));
+  for (const int other : {0, 1}) {
+    const Eigen::Vector3d n = N.col(other).cross(N.col(2));
+    if (n.squaredNorm() > longest.squaredNorm()) longest = n;
+  }
+  return longest.normalized();
+}
+
 /// The pose that takes three points into the camera frame, where they stand at `points_camera`.
 Pose alignTriangles(const std::array<Eigen::Vector3d, 3>& points_camera,
                     const std::array<Eigen::Vector3d, 3>& points_world) {
@@ -107,15 +119,20 @@ int solveP3p(const std::array<Eigen::Vector3d, 3>& bearings,
   if (std::abs(c3) < 1e-14) return 0;
   const double g = realRootOfCubic(c2 / c3, c1 / c3, c0 / c3);
 
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(D1 + g * D2);
-  const Eigen::Vector3d& values = eigen.eigenvalues();  // ascending: minus, about zero, plus
-  if (!(values(0) < 0 && values(2) > 0)) return 0;
-  const double ratio = std::sqrt(-values(0) / values(2));
+  // One eigenvalue is zero; the others' sum and product are the trace and the minors' sum.
+  const Eigen::Matrix3d D = D1 + g * D2;
+  const double half_sum = D.trace() / 2;
+  const double product = D(0, 0) * D(1, 1) - D(0, 1) * D(0, 1) + D(0, 0) * D(2, 2) -
+                         D(0, 2) * D(0, 2) + D(1, 1) * D(2, 2) - D(1, 2) * D(1, 2);
+  if (!(product < 0)) return 0;  // of one sign: no real planes
+  const double larger = half_sum + std::copysign(std::sqrt(half_sum * half_sum - product), half_sum);
+  const double plus = std::max(larger, product / larger), minus = std::min(larger, product / larger);
+  const Eigen::Vector3d e_plus = eigenvectorOf(D, plus), e_minus = eigenvectorOf(D, minus);
+  const double ratio = std::sqrt(-minus / plus);
 
   int count = 0;
   for (const double sign : {1.0, -1.0}) {
-    const Eigen::Vector3d n =
-        eigen.eigenvectors().col(2) + sign * ratio * eigen.eigenvectors().col(0);
+    const Eigen::Vector3d n = e_plus + sign * ratio * e_minus;
     if (std::abs(n(0)) < 1e-12) continue;
     // On this plane l1 = w0 l2 + w1 l3; with l3 = tau l2 the first conic is quadratic in tau.
     const double w0 = -n(1) / n(0), w1 = -n(2) / n(0);

@@ -23,6 +23,9 @@ constexpr float kMinSpreadOfMap = 0.25f;
 // them. Right poses rested on 6 to 50 times as many as are found beside, the first pictures after a
 // gap on 4 times.
 constexpr int kOverChance = 6;
+// Bound the time spent on one lost frame: a keyframe takes about 0.6 ms, to begin a map 2.5.
+constexpr int kKeyframesPerFrame = 8;
+constexpr int kKeyframesBesideNewMap = 4;
 constexpr int kSureInliers = 100;  // fewer: the next picture must agree
 constexpr float kSureSpread = 0.5f;
 }  // namespace
@@ -96,9 +99,12 @@ bool Recovery::fromLastTracked(TrackedFrame& frame) {
 
 bool Recovery::fromWholeMap(TrackedFrame& frame) {
   constexpr double kWideSearch = 4;
+  const bool new_map_too = lostFor_s(frame.timestamp_s) >= settings_.new_map_after_s;
   {
     const std::lock_guard lock(map_.mutex);
-    if (!relocalizer_.relocalize(map_, frame.features, frame.T_camera_world, frame.points))
+    if (!relocalizer_.relocalize(map_, frame.features,
+                                 new_map_too ? kKeyframesBesideNewMap : kKeyframesPerFrame,
+                                 frame.T_camera_world, frame.points))
       return false;
   }
   // First in wide windows, as the pose rests on few points; then as strictly as ever.

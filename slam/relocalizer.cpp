@@ -6,8 +6,6 @@
 namespace depthscope::slam {
 
 namespace {
-// Bounds the time spent on one lost frame: a keyframe takes about 2 ms.
-constexpr std::size_t kKeyframesPerFrame = 8;
 constexpr int kMaxMatches = 150;  // about so many, the nearest in descriptor; few of them are wrong
 constexpr int kMinMatches = 15;
 // Patches of tissue look much alike: over a whole picture the nearest descriptor is seldom clearly
@@ -40,10 +38,11 @@ Relocalizer::Relocalizer(const SlamSettings& settings, const Intrinsics& camera,
   point_of_observation_.reserve(n);
 }
 
-bool Relocalizer::relocalize(const Map& map, const FeatureSet& features, Pose& T_camera_world,
-                             std::span<PointRef> points) {
+bool Relocalizer::relocalize(const Map& map, const FeatureSet& features, int keyframes,
+                             Pose& T_camera_world, std::span<PointRef> points) {
   const auto places = database_.find(map, features.descriptors, query_);
-  for (std::size_t i = 0; i < std::min(places.size(), kKeyframesPerFrame); ++i) {
+  const int tries = std::min(static_cast<int>(places.size()), keyframes);
+  for (int i = 0; i < tries; ++i) {
     if (next_ >= places.size()) next_ = 0;
     const Keyframe& keyframe = map.keyframe(places[next_++].keyframe);
     if (relocalize(map, keyframe, features, T_camera_world, points)) return true;

@@ -18,12 +18,12 @@ class Relocalizer {
 
   /// Starts with the most similar keyframe at the next call.
   void restart() { next_ = 0; }
-  /// Tries a bounded number of the most similar keyframes, the next ones in rank at the next call,
-  /// until every keyframe had its turn: of a scope put back 40 mm beside its old place all
-  /// keyframes were within a tenth of each other in similarity, the right one among them. True with
-  /// a pose, and in `points` (one per feature) the map points it rests on. The caller verifies it
-  /// against the local map. Map mutex held.
-  bool relocalize(const Map& map, const FeatureSet& features, Pose& T_camera_world,
+  /// Tries up to `keyframes` of the most similar ones, the next in rank at the next call, until
+  /// every keyframe had its turn: of a scope put back 40 mm beside its old place all keyframes were
+  /// within a tenth of each other in similarity, the right one among them. True with a pose, and in
+  /// `points` (one per feature) the map points it rests on. The caller verifies it against the
+  /// local map. Map mutex held.
+  bool relocalize(const Map& map, const FeatureSet& features, int keyframes, Pose& T_camera_world,
                   std::span<PointRef> points);
   /// The same from one keyframe.
   bool relocalize(const Map& map, const Keyframe& keyframe, const FeatureSet& features,

@@ -258,7 +258,7 @@ TEST(Relocalizer, FindsTheCameraFromDescriptorsAlone) {
   Relocalizer relocalizer(smallSettings(), testCamera(), database);
   Pose found;
   std::vector<PointRef> points(400);
-  ASSERT_TRUE(relocalizer.relocalize(m.map, features, found, points));
+  ASSERT_TRUE(relocalizer.relocalize(m.map, features, 8, found, points));
   EXPECT_LT((found.inverse().t - truth.inverse().t).norm(), 0.02);
   EXPECT_LT(rotationError(found, truth), 0.005);
 }
@@ -272,7 +272,7 @@ TEST(Relocalizer, RefusesAPlaceThatIsNotInTheMap) {
   Relocalizer relocalizer(smallSettings(), testCamera(), database);
   Pose found;
   std::vector<PointRef> points(400);
-  EXPECT_FALSE(relocalizer.relocalize(m.map, features, found, points));
+  EXPECT_FALSE(relocalizer.relocalize(m.map, features, 8, found, points));
 }
 
 }  // namespace

@@ -37,12 +37,13 @@ OrbExtractor::OrbExtractor(const ExtractorSettings& settings, const CameraModel&
       distribution_(camera.width, camera.height, maximaCapacity(pyramid_.level(0))),
       undistortion_(camera),
       corners_(settings.levels),
-      wanted_(settings.levels),
-      cell_best_((camera.width / kCell + 1) * (camera.height / kCell + 1)) {
+      wanted_(settings.levels) {
   for (int l = 0; l < settings.levels; ++l) {
     const double scale = pyramid_.scale(l);
     scale_factors_.push_back(static_cast<float>(scale));
     corners_[l].reserve(maximaCapacity(pyramid_.level(l)));
+    cell_best_.emplace_back((pyramid_.level(l).width() / kCell + 1) *
+                            (pyramid_.level(l).height() / kCell + 1));
     smooth_.emplace_back(pyramid_.level(l).width(), pyramid_.level(l).height());
     smooth_before_.emplace_back(pyramid_.level(l).width(), pyramid_.level(l).height());
   }
@@ -59,30 +60,60 @@ void OrbExtractor::extract(const GrayView& image, int wanted, FeatureSet& out) {
     highlights_.update(pyramid_, dark);
     view_.update(pyramid_, dark);
     for (int l = 0; l < settings_.levels; ++l) smoothing_(pyramid_.level(l), smooth_[l], path_);
-    detect(settings_.fast_threshold, settings_.fast_threshold_min);
-    // Little texture: what there is of it is worth more than its noise costs.
-    for (int halved = 1; halved <= kHalvings && foundCorners() < wanted; ++halved)
-      detect(std::max(1, settings_.fast_threshold >> halved),
-             std::max(1, settings_.fast_threshold_min >> halved));
+    detect(wanted);
     shareQuota(wanted);
     for (int l = 0; l < settings_.levels; ++l) describeLevel(l, out);
   }
   out.grid.build(out.keypoints);
 }
 
-void OrbExtractor::detect(int threshold, int threshold_min) {
+/// Little texture: what there is of it is worth more than its noise costs, and thresholds are
+/// halved until there are enough corners. What higher ones find is among what lower ones find, so
+/// that the picture is searched once, as low as the one before had to be.
+void OrbExtractor::detect(int wanted) {
+  findCorners(halvings_);
+  int halved = 0;
+  while (halved < kHalvings && cornersAbove(thresholds(halved)) < wanted)
+    if (++halved > halvings_) findCorners(halved);
+  halvings_ = halved;
+  for (int l = 0; l < settings_.levels; ++l) keepAbove(thresholds(halved), l);
+}
+
+OrbExtractor::Thresholds OrbExtractor::thresholds(int halved) const {
+  return {std::max(1, settings_.fast_threshold >> halved),
+          std::max(1, settings_.fast_threshold_min >> halved)};
+}
+
+void OrbExtractor::findCorners(int halved) {
   for (int l = 0; l < settings_.levels; ++l) {
     corners_[l].clear();
-    detector_.detect(smooth_[l], threshold_min, searchArea(l), path_, corners_[l]);
+    detector_.detect(smooth_[l], thresholds(halved).least, searchArea(l), path_, corners_[l]);
     std::erase_if(corners_[l], [&](const Corner& c) { return !isOnTissue(c, l); });
-    keepStrongOfEachCell(l, threshold);
+    std::vector<std::uint8_t>& best = cell_best_[l];
+    std::fill(best.begin(), best.end(), std::uint8_t{0});
+    for (const Corner& c : corners_[l]) best[cellOf(c, l)] = std::max(best[cellOf(c, l)], c.score);
   }
 }
 
-int OrbExtractor::foundCorners() const {
-  std::size_t found = 0;
-  for (const auto& corners : corners_) found += corners.size();
+int OrbExtractor::cellOf(const Corner& corner, int l) const {
+  return corner.y / kCell * (pyramid_.level(l).width() / kCell + 1) + corner.x / kCell;
+}
+
+bool OrbExtractor::isAbove(const Thresholds& t, const Corner& corner, int l) const {
+  return corner.score > t.first ||
+         (corner.score > t.least && cell_best_[l][cellOf(corner, l)] <= t.first);
+}
+
+int OrbExtractor::cornersAbove(const Thresholds& t) const {
+  std::ptrdiff_t found = 0;
+  for (int l = 0; l < settings_.levels; ++l)
+    found += std::count_if(corners_[l].begin(), corners_[l].end(),
+                           [&](const Corner& c) { return isAbove(t, c, l); });
   return static_cast<int>(found);
+}
+
+void OrbExtractor::keepAbove(const Thresholds& t, int l) {
+  std::erase_if(corners_[l], [&](const Corner& c) { return !isAbove(t, c, l); });
 }
 
 /// Where the patch lies in the picture and its middle in the view.
@@ -100,18 +131,6 @@ bool OrbExtractor::isOnTissue(const Corner& corner, int l) const {
   const double x = (corner.x + 0.5) * scale - 0.5, y = (corner.y + 0.5) * scale - 0.5;
   return highlights_.distance(x, y) >= kSpecularReach * scale &&
          view_.distance(x, y) >= kMargin * scale;
-}
-
-/// In cells with corners above `threshold` only those count.
-void OrbExtractor::keepStrongOfEachCell(int l, int threshold) {
-  const int columns = pyramid_.level(l).width() / kCell + 1;
-  const auto cellOf = [&](const Corner& c) -> std::uint8_t& {
-    return cell_best_[c.y / kCell * columns + c.x / kCell];
-  };
-  std::fill(cell_best_.begin(), cell_best_.end(), std::uint8_t{0});
-  for (const Corner& c : corners_[l]) cellOf(c) = std::max(cellOf(c), c.score);
-  std::erase_if(corners_[l],
-                [&](const Corner& c) { return c.score <= threshold && cellOf(c) > threshold; });
 }
 
 /// Shares the features among the levels by their length scale, as Mur-Artal et al. do, and hands on

@@ -59,11 +59,20 @@ class OrbExtractor {
   const FieldOfView& fieldOfView() const { return view_; }
 
  private:
-  void detect(int threshold, int threshold_min);
-  int foundCorners() const;
+  /// FAST's, adaptive: in a cell with corners above `first` [grey levels] only those count, in
+  /// others those above `least`.
+  struct Thresholds {
+    int first = 0, least = 0;
+  };
+  Thresholds thresholds(int halved) const;  // the settings', halved so many times
+  void detect(int wanted);
+  void findCorners(int halved);
+  int cellOf(const Corner& corner, int l) const;
+  bool isAbove(const Thresholds& t, const Corner& corner, int l) const;
+  int cornersAbove(const Thresholds& t) const;
+  void keepAbove(const Thresholds& t, int l);
   Area searchArea(int l) const;
   bool isOnTissue(const Corner& corner, int l) const;
-  void keepStrongOfEachCell(int l, int threshold);
   void shareQuota(int features);
   void describeLevel(int l, FeatureSet& out);
   std::optional<Keypoint> keypointAt(const Corner& corner, int l) const;
@@ -84,11 +93,12 @@ class OrbExtractor {
   BriefDescriptor brief_;
   UndistortionMap undistortion_;
 
-  std::vector<std::vector<Corner>> corners_;  // of each level
-  std::vector<int> wanted_;                   // corners to keep of each level
-  std::vector<std::uint8_t> cell_best_;       // best score in each cell of the level at work
-  std::vector<ImageBuffer> smooth_;           // each level smoothed once
-  std::vector<ImageBuffer> smooth_before_;    // of the picture before
+  std::vector<std::vector<Corner>> corners_;          // of each level
+  std::vector<int> wanted_;                           // corners to keep of each level
+  std::vector<std::vector<std::uint8_t>> cell_best_;  // best score in each cell, of each level
+  int halvings_ = 0;                        // of the thresholds, that the last picture needed
+  std::vector<ImageBuffer> smooth_;         // each level smoothed once
+  std::vector<ImageBuffer> smooth_before_;  // of the picture before
 };
 
 }  // namespace depthscope::slam

@@ -2,9 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <vector>
+
 #include "slam/epipolar_refinement.hpp"
 #include "slam/essential.hpp"
 #include "slam/homography.hpp"
+#include "slam/polynomial_roots.hpp"
 #include "slam/projection.hpp"
 #include "slam/transfer_errors.hpp"
 #include "tests/slam/jacobian_check.hpp"
@@ -120,6 +126,91 @@ TEST(Essential, fivePointsFindTheTruthInGeneralAndPlanarScenes) {
     found += best < 1e-5;
   }
   EXPECT_GE(found, kTrials * 0.97);
+}
+
+/// Views this close make all translations without rotation look nearly right.
+TEST(Essential, fivePointsFindTheTruthFromViewsThatHardlyDiffer) {
+  std::mt19937 rng(4);
+  constexpr int kTrials = 500;
+  int found = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Pose truth = cameraAt({uniform(rng, -.02, .02), uniform(rng, -.02, .02), 0.01},
+                                {uniform(rng, -.01, .01), uniform(rng, -.01, .01), 0.005});
+    const auto points = volumePoints(5, trial, 3, 8);
+    std::array<Eigen::Vector2d, 5> first, second;
+    for (int i = 0; i < 5; ++i) {
+      first[i] = points[i].hnormalized();
+      second[i] = (truth * points[i]).hnormalized();
+    }
+    const Eigen::Matrix3d E_truth = skew(truth.t.normalized()) * truth.R;
+    std::array<Eigen::Matrix3d, 10> E;
+    const int count = solveEssentialFivePoint(first, second, E);
+    double best = 1;
+    for (int k = 0; k < count; ++k)
+      best = std::min({best, (E[k] - E_truth).norm(), (E[k] + E_truth).norm()});
+    found += best < 1e-5;
+  }
+  EXPECT_GE(found, kTrials * 0.99);
+}
+
+/// What is returned satisfies every constraint, whatever the five pairs are.
+TEST(Essential, fivePointsGiveEssentialMatricesForNonsenseToo) {
+  std::mt19937 rng(5);
+  for (int trial = 0; trial < 500; ++trial) {
+    std::array<Eigen::Vector2d, 5> first, second;
+    for (int i = 0; i < 5; ++i) {
+      first[i] = {uniform(rng, -1, 1), uniform(rng, -1, 1)};
+      second[i] = {uniform(rng, -1, 1), uniform(rng, -1, 1)};
+    }
+    std::array<Eigen::Matrix3d, 10> solutions;
+    const int count = solveEssentialFivePoint(first, second, solutions);
+    for (int k = 0; k < count; ++k) {
+      const Eigen::Matrix3d& E = solutions[k];
+      EXPECT_NEAR(E.norm(), std::sqrt(2.0), 1e-9);
+      const Eigen::Matrix3d EEt = E * E.transpose();
+      EXPECT_LT((2 * EEt * E - EEt.trace() * E).norm(), 1e-6);
+      for (int i = 0; i < 5; ++i)
+        EXPECT_NEAR(second[i].homogeneous().dot(E * first[i].homogeneous()), 0, 1e-9);
+    }
+  }
+}
+
+/// Coefficients of (x - r) for all the real roots, and (x - a)^2 + b^2 for the complex ones.
+DecicPolynomial polynomial(std::span<const double> real, std::span<const Eigen::Vector2d> complex) {
+  DecicPolynomial f{};
+  f[0] = -2;
+  const auto timesLinear = [&f](double r) {
+    for (int i = 10; i >= 0; --i) f[i] = (i > 0 ? f[i - 1] : 0) - r * f[i];
+  };
+  for (const double r : real) timesLinear(r);
+  for (const Eigen::Vector2d& c : complex)
+    for (int i = 10; i >= 0; --i)
+      f[i] = (i > 1 ? f[i - 2] : 0) - 2 * c.x() * (i > 0 ? f[i - 1] : 0) + c.squaredNorm() * f[i];
+  return f;
+}
+
+TEST(PolynomialRoots, areAllFoundAndNoOthers) {
+  const std::vector<Eigen::Vector2d> complex{{0.3, 0.2}, {-5, 1}, {0.01, 2}, {30, 3}, {0, 0.5}};
+  const std::vector<double> real{0.1, -0.7, 0.1001, 1.5, -20, -0.3, 3000, -1.1, 0.9, 7};
+  for (int count = 0; count <= 10; count += 2) {
+    std::vector<double> expected(real.begin(), real.begin() + count);
+    const auto f = polynomial(expected, std::span(complex).first(5 - count / 2));
+    std::array<double, 10> found;
+    ASSERT_EQ(realRoots(f, found), count);
+    std::vector<double> roots(found.begin(), found.begin() + count);
+    std::sort(expected.begin(), expected.end());
+    std::sort(roots.begin(), roots.end());
+    for (int i = 0; i < count; ++i)
+      EXPECT_NEAR(roots[i], expected[i], 1e-6 * (1 + std::abs(expected[i])));
+  }
+}
+
+TEST(PolynomialRoots, noneWithoutAPolynomialOfDegreeTen) {
+  std::array<double, 10> roots;
+  EXPECT_EQ(realRoots({}, roots), 0);
+  DecicPolynomial f{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  f[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(realRoots(f, roots), 0);
 }
 
 TEST(Essential, decompositionContainsTheMotion) {

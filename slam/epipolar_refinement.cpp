@@ -63,6 +63,28 @@ NormalEquations accumulate(const TwoViewMatches& m, std::span<const std::uint8_t
   return n;
 }
 
+/// What accumulate() would give for the cost alone.
+double cost(const TwoViewMatches& m, std::span<const std::uint8_t> selected, double sigma_px,
+            const Pose& T_second_first) {
+  const Eigen::Matrix3d E = skew(T_second_first.t) * T_second_first.R;
+  const double delta = std::sqrt(kChi2OneDof95);
+  const double fx2 = 1 / (m.camera.fx * m.camera.fx), fy2 = 1 / (m.camera.fy * m.camera.fy);
+  const double inv_sigma2 = 1 / (sigma_px * sigma_px);
+  double sum = 0;
+  for (int i = 0; i < m.size(); ++i) {
+    if (!selected[i]) continue;
+    const Eigen::Vector3d x1 = m.first[i].homogeneous(), x2 = m.second[i].homogeneous();
+    const Eigen::Vector3d l2 = E * x1;
+    const Eigen::Vector2d l1 = E.leftCols<2>().transpose() * x2;
+    const double r = x2.dot(l2);
+    const double variance =
+        fx2 * (l2.x() * l2.x() + l1.x() * l1.x()) + fy2 * (l2.y() * l2.y() + l1.y() * l1.y());
+    const double chi2 = r * r * inv_sigma2 / variance;
+    if (std::isfinite(chi2)) sum += huberCost(chi2, delta);
+  }
+  return sum;
+}
+
 double directionDeviation(const Matrix5d& H) {
   const Eigen::LDLT<Matrix5d> ldlt(H);
   const Matrix5d covariance = ldlt.solve(Matrix5d::Identity());
@@ -101,15 +123,16 @@ double refineEpipolarGeometry(const TwoViewMatches& matches, std::span<const std
     const Pose candidate{
         expSO3(step.head<3>()) * T_second_first.R,
         (T_second_first.t + tangents(T_second_first.t) * step.tail<2>()).normalized()};
-    const NormalEquations next = accumulate(matches, selected, sigma_px, candidate);
-    if (next.cost <= n.cost) {
+    const bool converged = step.norm() < kConvergedStep;
+    // Most steps are refused: the equations are set up anew only for one that is not.
+    if (cost(matches, selected, sigma_px, candidate) <= n.cost) {
       T_second_first = candidate;
-      n = next;
+      n = accumulate(matches, selected, sigma_px, candidate);
       lambda = std::max(lambda / 10, 1e-12);
-      if (step.norm() < kConvergedStep) break;
     } else {
       lambda *= 10;
     }
+    if (converged) break;
   }
   return directionDeviation(n.H);
 }

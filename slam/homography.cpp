@@ -1,8 +1,8 @@
 #include "slam/homography.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <cmath>
 
@@ -33,46 +33,57 @@ void equations(const Eigen::Vector3d& x1, const Eigen::Vector3d& x2, Row9& a, Ro
 
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 
-Vector9 solveMinimal(std::span<const Eigen::Vector2d> first,
-                     std::span<const Eigen::Vector2d> second, const Eigen::Matrix3d& T1,
-                     const Eigen::Matrix3d& T2) {
-  Eigen::Matrix<double, 9, 8> A_transposed;
-  for (int i = 0; i < 4; ++i) {
-    Row9 a, b;
-    equations(T1 * first[i].homogeneous(), T2 * second[i].homogeneous(), a, b);
-    A_transposed.col(2 * i) = a.transpose();
-    A_transposed.col(2 * i + 1) = b.transpose();
+/// Coordinates of four points of which the last is `weights` of the others, up to scale; `across`
+/// holds, for each of those, the plane of the other two, as a row.
+struct ProjectiveFrame {
+  Eigen::Matrix3d points, across;
+  Eigen::Vector3d weights;
+
+  explicit ProjectiveFrame(std::span<const Eigen::Vector2d> p) {
+    for (int i = 0; i < 3; ++i) points.col(i) = p[i].homogeneous();
+    for (int i = 0; i < 3; ++i)
+      across.row(i) = points.col((i + 1) % 3).cross(points.col((i + 2) % 3)).transpose();
+    weights = across * p[3].homogeneous();
   }
-  const Eigen::HouseholderQR<Eigen::Matrix<double, 9, 8>> qr(A_transposed);
-  Vector9 h = Vector9::Unit(8);
-  h.applyOnTheLeft(qr.householderQ());
-  return h;
+};
+
+/// The homography between two frames (Hartley & Zisserman, section 2.3.1 and table 4.1), free of
+/// divisions: singular, not infinite, where three points are on a line.
+Eigen::Matrix3d solveMinimal(std::span<const Eigen::Vector2d> first,
+                             std::span<const Eigen::Vector2d> second) {
+  const ProjectiveFrame a(first), b(second);
+  const Eigen::Vector3d& w = a.weights;
+  const Eigen::Vector3d others(w.y() * w.z(), w.z() * w.x(), w.x() * w.y());
+  return b.points * b.weights.cwiseProduct(others).asDiagonal() * a.across;
 }
 
-Vector9 solveLeastSquares(std::span<const Eigen::Vector2d> first,
-                          std::span<const Eigen::Vector2d> second, const Eigen::Matrix3d& T1,
-                          const Eigen::Matrix3d& T2) {
+bool solveLeastSquares(std::span<const Eigen::Vector2d> first,
+                       std::span<const Eigen::Vector2d> second, Eigen::Matrix3d& H) {
+  Eigen::Matrix3d T1, T2;
+  if (!normalizer(first, T1) || !normalizer(second, T2)) return false;
   Eigen::Matrix<double, 9, 9> AtA = Eigen::Matrix<double, 9, 9>::Zero();
   for (std::size_t i = 0; i < first.size(); ++i) {
     Row9 a, b;
     equations(T1 * first[i].homogeneous(), T2 * second[i].homogeneous(), a, b);
     AtA += a.transpose().lazyProduct(a) + b.transpose().lazyProduct(b);
   }
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>>(AtA).eigenvectors().col(0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(AtA);
+  const Vector9 h = eigen.eigenvectors().col(0);
+  H << h(0), h(1), h(2), h(3), h(4), h(5), h(6), h(7), h(8);
+  H = T2.inverse() * H * T1;
+  return true;
 }
 
 }  // namespace
 
 bool fitHomography(std::span<const Eigen::Vector2d> first, std::span<const Eigen::Vector2d> second,
                    Eigen::Matrix3d& H_second_first) {
-  Eigen::Matrix3d T1, T2;
   if (first.size() < 4 || first.size() != second.size()) return false;
-  if (!normalizer(first, T1) || !normalizer(second, T2)) return false;
-  const Vector9 h = first.size() == 4 ? solveMinimal(first, second, T1, T2)
-                                      : solveLeastSquares(first, second, T1, T2);
   Eigen::Matrix3d H;
-  H << h(0), h(1), h(2), h(3), h(4), h(5), h(6), h(7), h(8);
-  H = T2.inverse() * H * T1;
+  if (first.size() == 4)
+    H = solveMinimal(first, second);
+  else if (!solveLeastSquares(first, second, H))
+    return false;
   H /= H.norm();
   if (!H.allFinite() || std::abs(H.determinant()) < 1e-9) return false;
   H_second_first = H;

@@ -7,8 +7,9 @@
 
 namespace depthscope::slam {
 
-/// Homography x2 ~ H x1 from four or more pairs of normalized image coordinates, by the normalized
-/// direct linear transform (Hartley & Zisserman, algorithm 4.2). False when they are degenerate.
+/// Homography x2 ~ H x1 from four pairs of normalized image coordinates, in closed form, or from
+/// more of them by the normalized direct linear transform (Hartley & Zisserman, algorithm 4.2).
+/// Frobenius norm one. False when they are degenerate.
 bool fitHomography(std::span<const Eigen::Vector2d> first, std::span<const Eigen::Vector2d> second,
                    Eigen::Matrix3d& H_second_first);
 

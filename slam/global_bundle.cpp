@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <mutex>
 
+#include "slam/map_observation.hpp"
+
 namespace depthscope::slam {
 
 namespace {
@@ -130,15 +132,15 @@ bool GlobalBundle::choose(PointId p) {
   for (const Observation& o : observations) {
     const int pose = pose_index_[o.keyframe];
     const Keyframe& view = map_.keyframe(o.keyframe);
-    const Keypoint& k = view.features.keypoints[o.feature];
-    const Eigen::Vector3d p_camera = view.T_camera_world * map_.point(p).position;
-    const RollingShutter& shutter = map_.shutter();
-    BaObservation added;
+    const Eigen::Vector3d& position = map_.point(p).position;
+    BaObservation added =
+        mapObservation(map_.shutter(), view, o.feature, twists_[pose], position, trust);
     added.pose = pose;
     added.point = index;
-    added.pixel = shutter.atMiddleRow(k, twists_[pose], p_camera).cast<float>();
-    added.inv_sigma2 = trust / (k.sigma * k.sigma);
-    added.shift = shutter.motionInReadout(k.y, twists_[pose], p_camera).cast<float>();
+    added.shift = map_.shutter()
+                      .motionInReadout(view.features.keypoints[o.feature].y, twists_[pose],
+                                       view.T_camera_world * position)
+                      .cast<float>();
     adjuster_.addObservation(added);
   }
   return true;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <mutex>
 
+#include "slam/map_observation.hpp"
+
 namespace depthscope::slam {
 
 LocalBundle::LocalBundle(const SlamSettings& settings, Map& map, BundleAdjuster& adjuster)
@@ -97,15 +99,10 @@ void LocalBundle::addObservations() {
     for (const Observation& o : map_.observations(points_[i])) {
       const int pose = pose_index_[o.keyframe];
       if (pose == kNone) continue;
-      const Keyframe& view = map_.keyframe(o.keyframe);
-      const Keypoint& k = view.features.keypoints[o.feature];
-      BaObservation added;
+      BaObservation added = mapObservation(map_.shutter(), map_.keyframe(o.keyframe), o.feature,
+                                           twists_[pose], position, trust);
       added.pose = pose;
       added.point = static_cast<int>(i);
-      added.pixel = map_.shutter()
-                        .atMiddleRow(k, twists_[pose], view.T_camera_world * position)
-                        .cast<float>();
-      added.inv_sigma2 = trust / (k.sigma * k.sigma);
       adjuster_.addObservation(added);
     }
   }

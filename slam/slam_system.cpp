@@ -6,6 +6,7 @@
 #include "slam/frame_records.hpp"
 #include "slam/map.hpp"
 #include "slam/mapper.hpp"
+#include "slam/scope_path.hpp"
 #include "slam/tracker.hpp"
 
 namespace depthscope::slam {
@@ -136,6 +137,12 @@ std::vector<StampedPose> SlamSystem::correctedTrajectory() const {
   const std::lock_guard lock(impl_->map.mutex);
   return impl_->records.trajectory.corrected(impl_->map,
                                              impl_->records.trajectory.mainMap(impl_->map));
+}
+
+ScopePath SlamSystem::scopePath() const {
+  const std::lock_guard lock(impl_->map.mutex);
+  const Trajectory& trajectory = impl_->records.trajectory;
+  return slam::scopePath(impl_->map, trajectory.mainMap(impl_->map), trajectory);
 }
 
 void SlamSystem::reset() {

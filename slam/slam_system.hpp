@@ -50,6 +50,12 @@ struct StampedPose {
   Pose T_world_camera;
 };
 
+/// Where the scope was, as far as breathing tissue lets it be told.
+struct ScopePath {
+  std::vector<StampedPose> poses;
+  double tissue_rhythm_hz = 0;  // that was found and allowed for; 0: none
+};
+
 /// Monocular ORB SLAM in fixed memory: all storage is allocated by the constructor. track() is
 /// called from one thread; the const functions may be called from others at the same time.
 class SlamSystem {
@@ -80,6 +86,10 @@ class SlamSystem {
   /// Poses of the last `trajectory_frames` tracked frames, as far as they lie in the main map, as
   /// corrected by everything learnt since, in order of time.
   std::vector<StampedPose> correctedTrajectory() const;
+  /// The same, where the tissue changes its shape in a rhythm of breathing with what that did to
+  /// the poses taken back: the path of the scope, while the other is that of the scope over the
+  /// tissue as each picture shows it. Takes memory, and up to seconds.
+  ScopePath scopePath() const;
   /// Forgets everything and starts over.
   void reset();
 

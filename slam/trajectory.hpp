@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "slam/anchored_pose.hpp"
@@ -19,6 +20,10 @@ class Trajectory {
   std::uint32_t mainMap(const Map& map) const;
   /// Poses of the frames tracked in one connected map, in order of time.
   std::vector<StampedPose> corrected(const Map& map, std::uint32_t map_id) const;
+  /// The same where T_camera_world of the keyframe that a frame hangs on was another at its time.
+  using PoseOfKeyframe = std::function<Pose(KeyframeId, double timestamp_s)>;
+  std::vector<StampedPose> corrected(const Map& map, std::uint32_t map_id,
+                                     const PoseOfKeyframe& T_keyframe_world) const;
 
  private:
   std::vector<AnchoredPose> ring_;

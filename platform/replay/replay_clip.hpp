@@ -44,7 +44,8 @@ struct ReplayResult {
   RunRecord record;
   SparseCloud cloud;
   SurfaceMesh surface;
-  std::vector<slam::StampedPose> trajectory;
+  std::vector<slam::StampedPose> trajectory;   // of the scope
+  std::vector<slam::StampedPose> over_tissue;  // the same, relative to the tissue as it was seen
 };
 
 /// Takes cloud, trajectory and counts over from SLAM at the end, and gives `result.surface` its

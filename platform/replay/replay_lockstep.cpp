@@ -21,7 +21,7 @@ class LockstepReplay {
         gray_(static_cast<std::size_t>(options.camera.width) *
               static_cast<std::size_t>(options.camera.height)),
         schedule_(options.settings.recon.period_s),
-        result_{RunRecord(clip.frameCapacity()), {}, {}, {}} {
+        result_{RunRecord(clip.frameCapacity()), {}, {}, {}, {}} {
     if (options.surface) reconstructor_.emplace(options.camera, options.settings.recon);
   }
 

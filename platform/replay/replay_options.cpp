@@ -55,7 +55,9 @@ OPTIONS
                     warning, where it cannot be measured) and in the header of surface.ply
 
 FILES in DIR
-  trajectory.txt       TUM format, camera to world, corrected by everything learnt until the end
+  trajectory.txt       TUM format, camera to world, corrected by everything learnt until the end; where
+                       tissue is found to breathe steadily (tissue_rhythm_hz in metrics.json), with
+                       what its change of shape did to the poses taken back
   trajectory_live.txt  the same, each pose as it was when its frame was shown
   map.ply surface.ply  sparse points and the last surface, in the trajectory's world frame and unit of length
   overlay.mp4          the composited picture; snapshot.png: the last tracked one

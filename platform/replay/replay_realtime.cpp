@@ -61,7 +61,7 @@ class RealtimeReplay {
   ReplayResult finish(std::int64_t frames) {
     tracking_.stop();
     tracking_.takeSurface(surface_);
-    ReplayResult result{std::move(tracking_.record()), {}, std::move(surface_), {}};
+    ReplayResult result{std::move(tracking_.record()), {}, std::move(surface_), {}, {}};
     result.record.close();
     RunMetrics& metrics = result.record.metrics();
     metrics.frames = frames;

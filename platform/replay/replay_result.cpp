@@ -41,13 +41,16 @@ void takeFinalMap(const slam::SlamSystem& slam, recon::Reconstructor* reconstruc
   metrics.surface_triangles = result.surface.triangles.size();
   metrics.slam = slam.statistics();
   metrics.slam_memory = slam.memory();
-  result.trajectory = slam.correctedTrajectory();
+  slam::ScopePath path = slam.scopePath();
+  metrics.tissue_rhythm_hz = path.tissue_rhythm_hz;
+  result.trajectory = std::move(path.poses);
+  result.over_tissue = slam.correctedTrajectory();
 }
 
 void takeScale(const ReplayOptions& options, ReplayResult& result) {
   if (!options.scale) return;
   try {
-    const auto& poses = result.trajectory;
+    const auto& poses = result.over_tissue;
     const auto pose = std::find_if(poses.rbegin(), poses.rend(), [&](const slam::StampedPose& p) {
       return !options.scale_frame || p.frame == *options.scale_frame;
     });

@@ -89,6 +89,7 @@ void writeMetrics(const std::filesystem::path& path, const RunMetrics& m) {
             {"relocalizations", m.slam.relocalizations},
             {"loops_closed", m.slam.loops_closed},
             {"readout_ms", 1000 * m.slam.readout_s},
+            {"tissue_rhythm_hz", m.tissue_rhythm_hz},
             {"maps", m.slam.maps},
             {"keyframes", m.slam.keyframes},
             {"map_points", m.slam.map_points},

@@ -23,6 +23,7 @@ struct RunMetrics {
   double pictures_ms = 0;     // spent on keyframes' pictures since the last surface
   slam::SlamStatistics slam;
   slam::SlamMemory slam_memory;
+  double tissue_rhythm_hz = 0;    // that the trajectory allows for; 0: none was found
   std::optional<MapScale> scale;  // of the main map
   std::optional<std::uint64_t> steady_state_allocations;
   std::optional<std::int64_t> reconstruct_peak_bytes;  // of the heap, held by reconstruction

@@ -61,9 +61,10 @@ TEST(RunRecord, MetricsHaveEveryKeyOfTheContract) {
   metrics.track.add(5);
   writeMetrics(folder.path() / "m.json", metrics);
   const auto json = nlohmann::json::parse(readFile(folder.path() / "m.json"));
-  for (const char* key : {"frames", "tracked_frames", "first_tracked_frame", "lost_events",
-                          "relocalizations", "loops_closed", "readout_ms", "maps", "keyframes", "map_points",
-                          "surface_triangles", "peak_rss_mb", "steady_state_allocations"})
+  for (const char* key :
+       {"frames", "tracked_frames", "first_tracked_frame", "lost_events", "relocalizations",
+        "loops_closed", "readout_ms", "tissue_rhythm_hz", "maps", "keyframes", "map_points",
+        "surface_triangles", "peak_rss_mb", "steady_state_allocations"})
     EXPECT_TRUE(json.contains(key)) << key;
   for (const char* stage : {"extract_ms", "track_ms", "map_ms", "reconstruct_ms", "composite_ms"})
     for (const char* key : {"count", "p50", "p95", "p99", "max"})

@@ -8,8 +8,9 @@ namespace depthscope::slam {
 namespace {
 constexpr int kMaxMatches = 150;  // about so many, the nearest in descriptor; few of them are wrong
 constexpr int kMinMatches = 15;
+constexpr int kMinCluster = 10;  // of those turned and shifted alike; wrong ones make up to 14
 // Patches of tissue look much alike: over a whole picture the nearest descriptor is seldom clearly
-// nearer than the second, so nothing is refused by ratio, and the consensus has to tell.
+// nearer than the second, so nothing is refused by ratio: what right matches have in common tells.
 constexpr double kRatio = 1.0;
 constexpr int kMaxHamming = 80;
 
@@ -27,6 +28,7 @@ Relocalizer::Relocalizer(const SlamSettings& settings, const Intrinsics& camera,
                          const KeyframeDatabase& database)
     : camera_(camera),
       matcher_(settings.matching, settings.extractor.capacity()),
+      shift_(camera, settings.extractor.capacity()),
       pnp_(pnpSettings(), settings.extractor.capacity()),
       database_(database),
       query_(settings) {
@@ -56,6 +58,7 @@ bool Relocalizer::relocalize(const Map& map, const Keyframe& keyframe, const Fea
   const int n = matcher_.matchByDescriptor(keyframe.features, wanted_, features, kMaxHamming,
                                            kRatio, matches_);
   if (n < kMinMatches) return false;
+  if (shift_.keep(keyframe.features, features, matches_) < kMinCluster) return false;
 
   takeNearestMatches(map, keyframe, features);
   PnpResult result;

@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "slam/common_shift.hpp"
 #include "slam/keyframe_database.hpp"
 #include "slam/map.hpp"
 #include "slam/matcher.hpp"
@@ -9,8 +10,9 @@
 namespace depthscope::slam {
 
 /// Finds the camera in the map without knowing where it was: asks the database for keyframes that
-/// look like the picture, matches its descriptors with theirs, and solves for the pose by P3P in
-/// RANSAC (Mur-Artal et al. 2015, section V.C).
+/// look like the picture, matches its descriptors with theirs, keeps those that are turned and
+/// shifted alike (CommonShift), and solves for the pose by P3P in RANSAC (Mur-Artal et al. 2015,
+/// section V.C).
 class Relocalizer {
  public:
   Relocalizer(const SlamSettings& settings, const Intrinsics& camera,
@@ -35,6 +37,7 @@ class Relocalizer {
 
   Intrinsics camera_;
   Matcher matcher_;
+  CommonShift shift_;
   PnpSolver pnp_;
   std::vector<std::uint8_t> wanted_;  // per keyframe feature: sees a point
   std::vector<int> matches_;          // per keyframe feature

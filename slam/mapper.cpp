@@ -125,10 +125,6 @@ void Mapper::adoptInitialMap() {
   recent_.clear();
   for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k)
     if (map_.keyframe(k).alive && map_.keyframe(k).map_id == map_.activeId()) window_.push_back(k);
-  {
-    const std::lock_guard lock(map_.mutex);
-    for (const KeyframeId k : window_) database_.add(map_, k);
-  }
   bundle_.adjust(window_, 20, nullptr);
   for (PointId p = 0; p < map_.pointEnd(); ++p)
     if (map_.point(p).alive && map_.point(p).map_id == map_.activeId())
@@ -209,7 +205,10 @@ KeyframeId Mapper::insert(const KeyframeRequest& request) {
       map_.addKeyframe(request.features, T_now_request.moved(request.T_camera_world), request.frame,
                        request.timestamp_s);
   map_.keyframe(id).twist = {request.twist.w, T_now_request.s * request.twist.v};
-  database_.add(map_, id);
+  // With its third keyframe the two that a map began with: the picture that begins it takes longest
+  // anyhow, and nobody looks for places in a map of two.
+  for (KeyframeId k = 0; k < map_.keyframeCapacity(); ++k)
+    if (map_.keyframe(k).alive && !database_.contains(map_, k)) database_.add(map_, k);
   records_.views.becameKeyframe(map_, request.frame, id);
   for (int f = 0; f < request.features.size(); ++f) {
     const PointId p = map_.resolve(request.points[f]);

@@ -15,8 +15,8 @@
 namespace depthscope::slam {
 
 struct TwoViewSettings {
-  double sigma_px = 1;  // of a keypoint's position
-  int ransac_iterations = 200;
+  double sigma_px = 1;                 // of a keypoint's position
+  int ransac_iterations = 200;         // at most: TwoViewModelFinder
   int min_inliers = 50;                // matches that agree with the model, and points in the end
   double max_depth_sigma = 0.2;        // relative, of `min_inliers` points at least
   double min_reliable_share = 0.25;    // of the points that must have such a depth

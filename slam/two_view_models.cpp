@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
 
 #include "slam/essential.hpp"
 #include "slam/homography.hpp"
@@ -14,6 +15,15 @@ namespace depthscope::slam {
 namespace {
 
 constexpr int kPolishRounds = 3;
+constexpr double kConfidence = 0.99;  // that a sample free of outliers has been drawn
+constexpr int kFewestSamples = 150;   // of samples free of outliers many differ in their noise
+
+/// Whether a sample free of outliers has been drawn by now (Fischler & Bolles 1981, section II.B),
+/// and enough others that the best of them has little noise.
+bool enoughSamples(int drawn, double inlier_share) {
+  return drawn >= kFewestSamples &&
+         drawn * std::log1p(-std::pow(inlier_share, 5)) < std::log(1 - kConfidence);
+}
 
 /// Score and inliers of a model whose squared errors must be below `threshold` [sigma^2]. What an
 /// error leaves is measured from the homography's threshold for both models, as the paper has it,
@@ -107,6 +117,7 @@ void TwoViewModelFinder::find(const TwoViewMatches& m, double sigma_px, int iter
             model);
       if (model.score > essential.score) essential = model;
     }
+    if (enoughSamples(i + 1, static_cast<double>(essential.inliers) / m.size())) break;
   }
   for (int i = 0; i < kPolishRounds; ++i) polishHomography(m, sigma_px, homography);
 }

@@ -35,7 +35,9 @@ int countRotationInliers(const TwoViewMatches& matches, double sigma_px, int ite
 
 /// Fits a homography and an essential matrix to the same random samples, four and five matches
 /// each. The score of a model sums, over matches and both directions, what the squared transfer
-/// error [sigma^2] leaves of the threshold (Mur-Artal et al. 2015, section IV, step 2).
+/// error [sigma^2] leaves of the threshold (Mur-Artal et al. 2015, section IV, step 2). At most
+/// `iterations` samples are drawn, fewer where the essential matrix has so many inliers that they
+/// held one free of outliers, but no fewer than 150.
 class TwoViewModelFinder {
  public:
   explicit TwoViewModelFinder(int max_matches);

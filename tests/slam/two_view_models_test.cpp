@@ -225,6 +225,22 @@ TEST(Essential, decompositionContainsTheMotion) {
   EXPECT_LT(best, 1e-9);
 }
 
+/// Drawing ends early where most matches are right: with half of them wrong it must not.
+TEST(TwoViewModelFinder, drawsUntilASampleIsFreeOfWrongMatches) {
+  Pose truth = cameraAt({0.5, -0.3, 0.2}, {0.05, -0.1, 0.1});
+  for (const double wrong : {0.0, 0.3, 0.5}) {
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+      const Matches m = project(volumePoints(200, seed, 3, 7), truth, 0.3, wrong, seed);
+      TwoViewMatches matches(testCamera(), 200);
+      matches.load(m.first, m.second);
+      TwoViewModel homography, essential;
+      TwoViewModelFinder(200).find(matches, 0.5, 400, homography, essential);
+      const auto right = std::count(m.correct.begin(), m.correct.end(), 1);
+      EXPECT_GT(essential.inliers, 0.75 * static_cast<double>(right)) << wrong << " " << seed;
+    }
+  }
+}
+
 TEST(EpipolarRefinement, jacobianOfTheResidual) {
   const Pose pose = cameraAt({0.5, -0.3, 0.2}, {0.2, -0.1, 0.3});
   const Eigen::Vector2d first(0.2, -0.1), second(-0.3, 0.25);

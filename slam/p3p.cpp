@@ -125,8 +125,10 @@ int solveP3p(const std::array<Eigen::Vector3d, 3>& bearings,
   const double product = D(0, 0) * D(1, 1) - D(0, 1) * D(0, 1) + D(0, 0) * D(2, 2) -
                          D(0, 2) * D(0, 2) + D(1, 1) * D(2, 2) - D(1, 2) * D(1, 2);
   if (!(product < 0)) return 0;  // of one sign: no real planes
-  const double larger = half_sum + std::copysign(std::sqrt(half_sum * half_sum - product), half_sum);
-  const double plus = std::max(larger, product / larger), minus = std::min(larger, product / larger);
+  const double larger =
+      half_sum + std::copysign(std::sqrt(half_sum * half_sum - product), half_sum);
+  const double plus = std::max(larger, product / larger),
+               minus = std::min(larger, product / larger);
   const Eigen::Vector3d e_plus = eigenvectorOf(D, plus), e_minus = eigenvectorOf(D, minus);
   const double ratio = std::sqrt(-minus / plus);
 

@@ -14,9 +14,9 @@ constexpr double kNear_s = 0.35;             // so long it is near where it was
 constexpr double kFoundAgain = 0.2;          // of the points of the last frame tracked
 constexpr float kMinSpread = 0.3f;           // of points carried over from the last frame tracked
 // Of a place found in the whole map. Where the scope came back from behind 45 black pictures with
-// its view turned by 10 to 35 degrees, right poses rested on 30 to 60 points of a thousand; in 1500
+// its view turned by 10 to 35 degrees, right poses rested on 26 to 60 points of a thousand; in 1500
 // pictures of places that were never seen (six clips, mirrored) no pose had more than ten.
-constexpr double kMinFoundOfMap = 0.03;
+constexpr double kMinFoundOfMap = 0.02;
 constexpr float kMinSpreadOfMap = 0.25f;
 // Where the local map has so many points that some match anywhere, a wrong pose collects them: in a
 // kitchen one rested on 44 points, two pictures running, while 10 were found beside where it put

@@ -44,8 +44,9 @@ struct ReplayResult {
   RunRecord record;
   SparseCloud cloud;
   SurfaceMesh surface;
-  std::vector<slam::StampedPose> trajectory;   // of the scope
-  std::vector<slam::StampedPose> over_tissue;  // the same, relative to the tissue as it was seen
+  std::vector<slam::StampedPose> trajectory;  // of the scope
+  // The same relative to the tissue as it was seen; empty where there is no difference.
+  std::vector<slam::StampedPose> over_tissue;
 };
 
 /// Takes cloud, trajectory and counts over from SLAM at the end, and gives `result.surface` its

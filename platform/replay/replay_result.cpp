@@ -44,13 +44,13 @@ void takeFinalMap(const slam::SlamSystem& slam, recon::Reconstructor* reconstruc
   slam::ScopePath path = slam.scopePath();
   metrics.tissue_rhythm_hz = path.tissue_rhythm_hz;
   result.trajectory = std::move(path.poses);
-  result.over_tissue = slam.correctedTrajectory();
+  if (path.tissue_rhythm_hz > 0) result.over_tissue = slam.correctedTrajectory();
 }
 
 void takeScale(const ReplayOptions& options, ReplayResult& result) {
   if (!options.scale) return;
   try {
-    const auto& poses = result.over_tissue;
+    const auto& poses = result.over_tissue.empty() ? result.trajectory : result.over_tissue;
     const auto pose = std::find_if(poses.rbegin(), poses.rend(), [&](const slam::StampedPose& p) {
       return !options.scale_frame || p.frame == *options.scale_frame;
     });

@@ -10,9 +10,9 @@ namespace {
 
 constexpr int kTurns = 15;  // of the picture, that are tried
 constexpr float kTurn = 2 * std::numbers::pi_v<float> / kTurns;
-// By how much of the picture's width shifts of right matches differ: a scope that moved aside by half
-// its distance shifts what is a third nearer by that much more. With 1/12 a gap of 1.5 s took 38
-// pictures to be bridged that takes 3 or 4 with this.
+// By how much of the picture's width shifts of right matches differ: a scope that moved aside by
+// half its distance shifts what is a third nearer by that much more. With 1/12 a gap of 1.5 s took
+// 38 pictures to be bridged that takes 3 or 4 with this.
 constexpr float kReach = 1.f / 6;
 
 float between0And2Pi(float angle) {

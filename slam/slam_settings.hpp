@@ -83,9 +83,9 @@ struct InitializerSettings {
 struct TrackerSettings {
   int min_motion_inliers = 10;  // fewer from the last frame: try the reference keyframe
   int min_inliers = 30;         // fewer in the local map: lost
-  // Fewer after relocalization: not found, nor with fewer than six times as many as match by chance.
-  // Right poses rested on 26 and more; in 1200 pictures of places never seen (four clips that go on
-  // mirrored) none was accepted.
+  // Fewer after relocalization: not found, nor with fewer than eight times as many as match by
+  // chance. Right poses rested on 26 and more; in 1200 pictures of places never seen (four clips
+  // that go on mirrored) none was accepted.
   int min_inliers_relocalized = 20;
   // Of the points of the last frame, the share found again: a few percent match by chance where the
   // pose is wrong (after a cut, in heavy blur), a third and more where it is right.

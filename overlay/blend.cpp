@@ -15,7 +15,8 @@ std::uint8_t over(unsigned layer, unsigned picture, unsigned transparency) {
 
 void blendPixel(const std::uint8_t* layer, const std::uint8_t* picture, std::uint8_t* out) {
   const unsigned transparency = 255u - layer[3];
-  // Drivers round colours and alpha apart: a trace of colour without alpha is not part of the layer.
+  // Drivers round colours and alpha apart: a trace of colour without alpha is not part of the
+  // layer.
   const unsigned present = layer[3] == 0 ? 0u : 255u;
   for (int c = 0; c < 3; ++c) out[c] = over(layer[c] & present, picture[c], transparency);
   out[3] = picture[3];

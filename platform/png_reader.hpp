@@ -16,8 +16,8 @@ struct Gray16Picture {
   }
 };
 
-/// Reads a 16-bit grey PNG, its values as they are. Throws InputError naming the file when it cannot
-/// be read or is another kind of picture.
+/// Reads a 16-bit grey PNG, its values as they are. Throws InputError naming the file when it
+/// cannot be read or is another kind of picture.
 Gray16Picture readGray16Png(const std::filesystem::path& path);
 
 }  // namespace depthscope::platform

@@ -7,18 +7,18 @@
 
 namespace depthscope {
 
-/// Intrinsics and lens distortion of one camera, in pixels of an image of width x height; the centre
-/// of the top left pixel is (0, 0). As in OpenCV: `Pinhole` is Brown-Conrady with k1 k2 p1 p2 k3,
-/// `Fisheye` is Kannala-Brandt with k1 k2 k3 k4.
+/// Intrinsics and lens distortion of one camera, in pixels of an image of width x height; the
+/// centre of the top left pixel is (0, 0). As in OpenCV: `Pinhole` is Brown-Conrady with k1 k2 p1
+/// p2 k3, `Fisheye` is Kannala-Brandt with k1 k2 k3 k4.
 struct CameraModel {
   enum class Kind { Pinhole, Fisheye };
 
   Kind kind = Kind::Pinhole;
-  int width = 0;   // [px]
-  int height = 0;  // [px]
-  double fps = 0;  // [1/s], 0: unknown
+  int width = 0;                          // [px]
+  int height = 0;                         // [px]
+  double fps = 0;                         // [1/s], 0: unknown
   double fx = 0, fy = 0, cx = 0, cy = 0;  // [px]
-  std::array<double, 5> k{};  // Pinhole: k1 k2 p1 p2 k3; Fisheye: k1 k2 k3 k4, unused
+  std::array<double, 5> k{};              // Pinhole: k1 k2 p1 p2 k3; Fisheye: k1 k2 k3 k4, unused
 
   bool hasDistortion() const {
     for (double c : k)
@@ -42,8 +42,8 @@ struct CameraModel {
             n.y() * radial + k[2] * (r2 + 2 * n.y() * n.y()) + k[3] * xy2};
   }
 
-  /// Inverse of `distort`, by Newton's method with a numerical Jacobian; accurate to 1e-9 wherever the
-  /// distortion is one to one, else the nearest it came to.
+  /// Inverse of `distort`, by Newton's method with a numerical Jacobian; accurate to 1e-9 wherever
+  /// the distortion is one to one, else the nearest it came to.
   Eigen::Vector2d undistort(const Eigen::Vector2d& d) const {
     if (!hasDistortion()) return d;
     if (kind == Kind::Fisheye) return undistortFisheye(d);
@@ -51,8 +51,10 @@ struct CameraModel {
     for (int i = 0; i < 20; ++i) {
       const Eigen::Vector2d e = d - distort(n);
       constexpr double h = 1e-6;
-      const Eigen::Vector2d dx = (distort(n + Eigen::Vector2d(h, 0)) - distort(n - Eigen::Vector2d(h, 0))) / (2 * h);
-      const Eigen::Vector2d dy = (distort(n + Eigen::Vector2d(0, h)) - distort(n - Eigen::Vector2d(0, h))) / (2 * h);
+      const Eigen::Vector2d dx =
+          (distort(n + Eigen::Vector2d(h, 0)) - distort(n - Eigen::Vector2d(h, 0))) / (2 * h);
+      const Eigen::Vector2d dy =
+          (distort(n + Eigen::Vector2d(0, h)) - distort(n - Eigen::Vector2d(0, h))) / (2 * h);
       const double det = dx.x() * dy.y() - dy.x() * dx.y();
       if (det < 1e-3) {  // the lens folds over here: step back towards the centre
         n *= 0.8;
@@ -73,7 +75,9 @@ struct CameraModel {
     return undistort({(px.x() - cx) / fx, (px.y() - cy) / fy});
   }
   /// Normalized coordinates -> pixel, no distortion applied.
-  Eigen::Vector2d toPixel(const Eigen::Vector2d& n) const { return {fx * n.x() + cx, fy * n.y() + cy}; }
+  Eigen::Vector2d toPixel(const Eigen::Vector2d& n) const {
+    return {fx * n.x() + cx, fy * n.y() + cy};
+  }
 
  private:
   Eigen::Vector2d undistortFisheye(const Eigen::Vector2d& d) const {

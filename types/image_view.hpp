@@ -4,8 +4,8 @@
 
 namespace depthscope {
 
-/// Borrowed 8-bit single-channel picture, row-major, `stride` bytes from a row to the next. The owner
-/// of the pixels must outlive the view.
+/// Borrowed 8-bit single-channel picture, row-major, `stride` bytes from a row to the next. The
+/// owner of the pixels must outlive the view.
 struct GrayView {
   const std::uint8_t* data = nullptr;
   int width = 0, height = 0;  // [px]

@@ -37,8 +37,7 @@ PictureSummary forEachPicture(const fs::path& path, double interval_s,
     const std::string name =
         i < names.size() ? names[i].filename().string() : "frame " + std::to_string(i);
     if (result.status != capture::SourceStatus::Ok)
-      throw InputError(path.string() + ": " + name + ": " +
-                       std::string(toString(result.status)) +
+      throw InputError(path.string() + ": " + name + ": " + std::string(toString(result.status)) +
                        ", expected a picture of the size of the first");
     if (i % static_cast<std::size_t>(every) != 0) continue;
     capture::toGray(result.frame, {grey.data, grey.total()});

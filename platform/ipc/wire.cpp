@@ -120,8 +120,8 @@ bool plausible(const WireArStatus& s) {
   return s.keyframes >= 0 && s.map_points >= 0 && s.maps >= 0 && s.lost_events >= 0 &&
          s.relocalizations >= 0 && s.loops_closed >= 0 && s.tracked_frames >= 0 &&
          s.dropped_frames >= 0 && s.surfaces >= 0 && time(s.track_p50_ms) && time(s.track_p95_ms) &&
-         time(s.reconstruct_p50_ms) && time(s.readout_ms) && s.keyframe_capacity >= 0 && s.map_point_capacity >= 0 &&
-         s.slam_bytes >= 0;
+         time(s.reconstruct_p50_ms) && time(s.readout_ms) && s.keyframe_capacity >= 0 &&
+         s.map_point_capacity >= 0 && s.slam_bytes >= 0;
 }
 
 WireCommand encodeCommand(WireCommand::Kind kind, const LabelRequest& label) {

@@ -44,8 +44,8 @@ TEST(PngReader, NamesWhatCannotBeRead) {
   image.version = PNG_IMAGE_VERSION;
   image.width = image.height = 2;
   image.format = PNG_FORMAT_GRAY;
-  ASSERT_TRUE(png_image_write_to_file(&image, (folder.path() / "grey8.png").c_str(), 0, grey8, 0,
-                                      nullptr));
+  ASSERT_TRUE(
+      png_image_write_to_file(&image, (folder.path() / "grey8.png").c_str(), 0, grey8, 0, nullptr));
   EXPECT_THROW(readGray16Png(folder.path() / "grey8.png"), InputError);
 }
 

@@ -9,8 +9,6 @@ namespace depthscope::slam {
 namespace {
 
 constexpr double kMinLambda = 1e-10, kMaxLambda = 1e12;
-constexpr int kMinTermsOfPoint =
-    2;  // one observation says nothing about a free point, nor it of a pose
 
 /// Squared whitened error; infinite behind the camera.
 double chi2(const Intrinsics& camera, const Pose& T_camera_world,

@@ -29,6 +29,9 @@ struct BaObservation {
   Eigen::Vector2f shift = Eigen::Vector2f::Zero();  // [px / unit of the parameter]
 };
 
+/// One observation says nothing about a free point, nor it of a pose.
+inline constexpr int kMinTermsOfPoint = 2;
+
 /// By how much a parameter that all observations share is off: what is to be added to it, and the
 /// standard deviation of that.
 struct BaShared {

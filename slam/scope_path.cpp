@@ -1,8 +1,6 @@
 #include "slam/scope_path.hpp"
 
 #include <Eigen/Cholesky>
-#include <cmath>
-#include <numbers>
 #include <span>
 
 #include "slam/map_observation.hpp"
@@ -56,8 +54,8 @@ Vector6d changeBetween(const StampedPose& before, const StampedPose& after) {
 void keepCommonMotion(double frequency_hz, std::span<const StampedPose> tracked,
                       std::span<StampedPose> path) {
   const auto basis = [&](double timestamp_s) {
-    const double phase = 2 * std::numbers::pi * frequency_hz * timestamp_s;
-    return Eigen::Vector3d(1, std::cos(phase), std::sin(phase));
+    const Eigen::Vector2d p = phasor(frequency_hz, timestamp_s);
+    return Eigen::Vector3d(1, p.x(), p.y());
   };
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 6> b = Eigen::Matrix<double, 3, 6>::Zero();

@@ -73,14 +73,14 @@ def the_footswitch_asks_for_a_surface(box):
         return screen if 0.03 < share < 0.9 else None
 
     def surface_by_a_press():
-        """Nothing where AR took up another map meanwhile, which has no surface yet: as a surgeon would, press again."""
+        """Nothing where AR took up another map meanwhile, or had too few pictures yet: as a surgeon would, press again."""
         before = wait_for_tracking(box)
         press_footswitch(box.machine)
         box.wait_for_status(lambda s: s["footswitch_presses"] == before["footswitch_presses"] + 1, "the press is counted")
-        if not comes(lambda: box.status().get("surfaces", 0) > before["surfaces"], PATIENCE_S / 4):
+        if not comes(lambda: box.status().get("surfaces", 0) > before["surfaces"], PATIENCE_S / 10):
             return None
         box.tower.hold()
-        screen = comes(overlay_is_on, PATIENCE_S / 4)
+        screen = comes(overlay_is_on, PATIENCE_S / 10)
         box.tower.go_on()
         return screen
     box.keep(wait_until(surface_by_a_press, "the surface over the picture"), "ar_on")

@@ -34,7 +34,11 @@ bool sameMotion(const Pose& a, const Pose& b) {
 
 TwoViewInitializer::TwoViewInitializer(const TwoViewSettings& settings, const Intrinsics& camera,
                                        int max_matches)
-    : settings_(settings), camera_(camera), matches_(camera, max_matches), finder_(max_matches) {
+    : settings_(settings),
+      camera_(camera),
+      matches_(camera, max_matches),
+      adjuster_(2, max_matches, 2 * max_matches),
+      finder_(max_matches) {
   parallax_deg_.reserve(max_matches);
   selected_.resize(max_matches);
 }
@@ -127,6 +131,7 @@ TwoViewResult::Refusal TwoViewInitializer::chooseMotion(std::span<Hypothesis> co
   if (best.direction_sigma_rad * kDegrees > settings_.max_direction_sigma_deg)
     return Refusal::Uncertain;
   T_second_first = best.T_second_first;
+  adjustBundle(T_second_first);
   return Refusal::None;
 }
 
@@ -187,6 +192,24 @@ double TwoViewInitializer::refineMotion(Pose& T_second_first) {
                                                  kRefinementIterations, T_second_first);
   }
   return direction_sigma_rad;
+}
+
+/// Bundle adjustment of the motion and the points of all matches that agree with it.
+void TwoViewInitializer::adjustBundle(Pose& T_second_first) {
+  adjuster_.clear();
+  adjuster_.addPose(Pose{}, true);
+  adjuster_.addPose(T_second_first, false);
+  const float inv_sigma2 = static_cast<float>(1 / (sigma_px_ * sigma_px_));
+  for (int i = 0; i < matches_.size(); ++i) {
+    Eigen::Vector3d point;
+    if (!triangulateMatch(T_second_first, i, point)) continue;
+    const int p = adjuster_.addPoint(point);
+    adjuster_.addObservation({0, p, matches_.first_px[i].cast<float>(), inv_sigma2, true});
+    adjuster_.addObservation({1, p, matches_.second_px[i].cast<float>(), inv_sigma2, true});
+  }
+  adjuster_.solve(camera_);
+  T_second_first = adjuster_.poses()[1].T_camera_world;
+  T_second_first.t.normalize();  // the scale is free
 }
 
 /// Cost over all matches [sigma^2], which compares between motions.

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "slam/bundle_adjuster.hpp"
 #include "slam/intrinsics.hpp"
 #include "slam/projection.hpp"
 #include "slam/two_view_models.hpp"
@@ -56,11 +57,10 @@ struct TwoViewResult {
 
 /// Structure and motion from matches between two views, without asking for a planar or a general
 /// scene (Mur-Artal et al. 2015, section IV): homography and essential matrix are fitted side by
-/// side, one is chosen by score, and its motion hypotheses compete by the points they put in front
-/// of both cameras, each refined by the epipolar constraint (Sampson's error, which is bundle
-/// adjustment's to first order; Hartley and Zisserman 2004, section 11.4). It refuses rather than
-/// guess. Deterministic. All storage is allocated by the constructor; a result that is used again
-/// is not reallocated.
+/// side, one is chosen by score, its motion hypotheses compete by the points they put in front of
+/// both cameras, and the winner is refined by bundle adjustment. It refuses rather than guess.
+/// Deterministic. All storage is allocated by the constructor; a result that is used again is not
+/// reallocated.
 class TwoViewInitializer {
  public:
   TwoViewInitializer(const TwoViewSettings& settings, const Intrinsics& camera, int max_matches);
@@ -95,12 +95,14 @@ class TwoViewInitializer {
   bool mayBeFar(const Pose& T_second_first, int match) const;
   bool explains(const Pose& T_second_first, int match) const;
   double refineMotion(Pose& T_second_first);
+  void adjustBundle(Pose& T_second_first);
   double truncatedCost(const Pose& T_second_first) const;
 
   TwoViewSettings settings_;
   double sigma_px_ = 1;  // of the matches at hand
   Intrinsics camera_;
   TwoViewMatches matches_;
+  BundleAdjuster adjuster_;
   TwoViewModelFinder finder_;
   std::array<Hypothesis, 12> hypotheses_;
   std::vector<std::uint8_t> selected_;  // per match, scratch

@@ -1,6 +1,7 @@
 #include "slam/essential_graph.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace depthscope::slam {
 
@@ -23,29 +24,33 @@ EssentialGraph::EssentialGraph(const SlamSettings& settings, Map& map)
   loops_.reserve(kMaxLoops);
 }
 
-LoopCorrection EssentialGraph::optimize(const PlaceLink& link) {
+LoopBend EssentialGraph::optimize(const PlaceLink& link) {
   graph_.clear();
   addNodes(link);
   addTreeAndStrongEdges(link.before);
   addLoops();
   graph_.solve(kIterations);
-
-  LoopCorrection correction;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     Sim3 T_camera_world = graph_.node(static_cast<int>(i));
     T_camera_world.t *= depth_;
     const KeyframeId k = keyframes_[i];
     T_new_old_[k] = T_camera_world.inverse() * Sim3(map_.keyframe(k).T_camera_world);
   }
-  for (int e = 0; e < graph_.edges(); ++e)
-    if (const PoseGraphEdge& edge = graph_.edge(e); edge.weight >= 1)
-      correction.bent = std::max(correction.bent, graph_.error(edge).norm());
-  // As the camera of the new end sees it.
-  const Sim3 T_camera_world(map_.keyframe(link.now).T_camera_world);
-  Sim3 moved = T_camera_world * link.T_before_now * T_camera_world.inverse();
-  moved.t /= depth_;
-  correction.moved = logSim3(moved).norm();
-  return correction;
+  return bend();
+}
+
+LoopBend EssentialGraph::bend() const {
+  LoopBend bend;
+  for (int e = 0; e < graph_.edges(); ++e) {
+    const PoseGraphEdge& edge = graph_.edge(e);
+    if (edge.weight < 1) continue;
+    const Vector7d error = graph_.error(edge);
+    const double depth = map_.medianDepth(keyframes_[edge.a]) / depth_;
+    bend.rotation_rad = std::max(bend.rotation_rad, error.head<3>().norm());
+    bend.translation = std::max(bend.translation, error.segment<3>(3).norm() / depth);
+    bend.log_scale = std::max(bend.log_scale, std::abs(error[6]));
+  }
+  return bend;
 }
 
 void EssentialGraph::addNodes(const PlaceLink& link) {

@@ -8,11 +8,12 @@
 
 namespace depthscope::slam {
 
-/// What closing a loop would do to the map.
-struct LoopCorrection {
-  double moved = 0;  // of the new end: rotation [rad] + translation [depths] + change of scale
-  double bent = 0;  // largest error left in a strong edge, in the same units: how far two keyframes
-                    // that see much the same would have to give way to each other
+/// How far two keyframes that see much the same would have to give way to each other for a loop to
+/// be closed: the largest errors left in strong edges.
+struct LoopBend {
+  double rotation_rad = 0;
+  double translation = 0;  // over the depth that one of the two sees
+  double log_scale = 0;
 };
 
 /// The essential graph of a connected map (Mur-Artal et al. 2015, sections III.D and VII.D): a
@@ -24,7 +25,7 @@ class EssentialGraph {
 
   /// Spreads the drift found by a loop over the keyframes between its ends, which themselves lie
   /// where the link says. The map is not changed.
-  LoopCorrection optimize(const PlaceLink& link);
+  LoopBend optimize(const PlaceLink& link);
   /// The motion of the world around a keyframe that this takes; only for those of the link's map.
   const Sim3& T_new_old(KeyframeId keyframe) const { return T_new_old_[keyframe]; }
   /// Keeps a loop that was closed, in place of the oldest when full.
@@ -39,6 +40,7 @@ class EssentialGraph {
   void addEdge(KeyframeId a, KeyframeId b, int shared_points);
   KeyframeId nextOfTree() const;
   KeyframeId neighbourInTime(KeyframeId keyframe) const;
+  LoopBend bend() const;
 
   /// A loop's ends and their serials, by which it is seen that one was culled.
   struct Loop {

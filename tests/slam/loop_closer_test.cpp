@@ -13,6 +13,7 @@ namespace {
 using namespace testing;
 
 constexpr int kAround = 24, kKeyframes = 29;  // of a full turn, and a little more than one
+constexpr int kSlipped = 14;                  // the first keyframe after a slip of scale
 
 SlamSettings ringSettings() {
   SlamSettings s = smallSettings();
@@ -39,7 +40,8 @@ World ringWorld() {
 /// last keyframes see it has mapped anew, elsewhere than its first keyframes have it.
 class DriftedRing : public ::testing::Test {
  protected:
-  DriftedRing() {
+  /// The scale slips by `slip` half way around.
+  explicit DriftedRing(double slip = 1) : slip_(slip) {
     map_.start();
     std::vector<std::vector<std::pair<int, int>>> seen(world_.points.size());
     for (int i = 0; i < kKeyframes; ++i) {
@@ -69,9 +71,12 @@ class DriftedRing : public ::testing::Test {
     map_.refreshPoint(p);
   }
 
-  static Sim3 drift(int i) {
+  Sim3 drift(int i) const {
     const Vector7d whole = (Vector7d() << 0.04, 0.08, -0.04, 0.3, 0.2, -0.3, 0.15).finished();
-    return expSim3(whole * i / kKeyframes);
+    const Sim3 steady = expSim3(whole * i / kKeyframes);
+    if (i < kSlipped) return steady;
+    const Eigen::Vector3d centre = truth_[kSlipped].inverse().t;
+    return steady * Sim3{slip_, Eigen::Matrix3d::Identity(), (1 - slip_) * centre};
   }
 
   /// Of the keyframes' positions, after the best similarity to the truth.
@@ -94,6 +99,7 @@ class DriftedRing : public ::testing::Test {
                          std::vector<KeyframeId>(keyframes_.end() - 4, keyframes_.end() - 1));
   }
 
+  double slip_;
   SlamSettings settings_ = ringSettings();
   World world_ = ringWorld();
   Map map_{settings_, testCameraModel()};
@@ -183,6 +189,22 @@ TEST_F(DriftedRing, IsAdjustedWithFewPointsWhereThereIsRoomForNoMore) {
     ++n;
   }
   EXPECT_LT(sum / n, 6);
+}
+
+class RingWhoseScaleSlipped : public DriftedRing {
+ protected:
+  RingWhoseScaleSlipped() : DriftedRing(2.5) {}
+};
+
+/// Two views of the same points may differ in scale where there was little parallax.
+TEST_F(RingWhoseScaleSlipped, IsClosed) {
+  const double drifted = largestError();
+  const auto link = recognizer_.recognize(keyframes_.back());
+  ASSERT_TRUE(link);
+  ASSERT_TRUE(close(*link));
+  BundleAdjuster adjuster(32, 3000, 36000);
+  GlobalBundle(settings_, map_, adjuster).adjust(1, 20, nullptr);
+  EXPECT_LT(largestError(), 0.2 * drifted);
 }
 
 TEST_F(DriftedRing, IsNotBentIntoALoopThatIsNone) {

@@ -6,6 +6,7 @@
 namespace depthscope::slam {
 
 namespace {
+constexpr std::size_t kAlways = 4;  // one of so many keyframes tried is of the most similar ones
 constexpr int kMaxMatches = 150;  // about so many, the nearest in descriptor; few of them are wrong
 constexpr int kMinMatches = 15;
 constexpr int kMinCluster = 10;  // of those turned and shifted alike; wrong ones make up to 14
@@ -46,11 +47,13 @@ Relocalizer::Relocalizer(const SlamSettings& settings, const Intrinsics& camera,
 bool Relocalizer::relocalize(const Map& map, const FeatureSet& features, int keyframes,
                              Pose& T_camera_world, std::span<PointRef> points) {
   const auto places = database_.find(map, features.descriptors, query_);
-  const int tries = std::min(static_cast<int>(places.size()), keyframes);
-  for (int i = 0; i < tries; ++i) {
-    if (next_ >= places.size()) next_ = 0;
-    const Keyframe& keyframe = map.keyframe(places[next_++].keyframe);
-    if (relocalize(map, keyframe, features, T_camera_world, points)) return true;
+  const std::size_t tries = std::min(places.size(), static_cast<std::size_t>(keyframes));
+  const std::size_t first = (tries + kAlways - 1) / kAlways;
+  for (std::size_t i = 0; i < tries; ++i) {
+    if (next_ < first || next_ >= places.size()) next_ = first;
+    const std::size_t rank = i < first ? i : next_++;
+    if (relocalize(map, map.keyframe(places[rank].keyframe), features, T_camera_world, points))
+      return true;
   }
   return false;
 }

@@ -18,13 +18,14 @@ class Relocalizer {
   Relocalizer(const SlamSettings& settings, const Intrinsics& camera,
               const KeyframeDatabase& database);
 
-  /// Starts with the most similar keyframe at the next call.
+  /// Starts over with the ranks at the next call.
   void restart() { next_ = 0; }
-  /// Tries up to `keyframes` of the most similar ones, the next in rank at the next call, until
-  /// every keyframe had its turn: of a scope put back 40 mm beside its old place all keyframes were
-  /// within a tenth of each other in similarity, the right one among them. True with a pose, and in
-  /// `points` (one per feature) the map points it rests on. The caller verifies it against the
-  /// local map. Map mutex held.
+  /// Tries up to `keyframes` of them: a quarter are the most similar ones, the others those whose
+  /// turn it is by similarity, until every keyframe had its turn. Of a scope put back 40 mm beside
+  /// its old place all keyframes were within a tenth of each other in similarity, the right one
+  /// among them; after a second of electrosurgery's noise it is the first, wherever among the ranks
+  /// the turn has come to. True with a pose, and in `points` (one per feature) the map points it
+  /// rests on. The caller verifies it against the local map. Map mutex held.
   bool relocalize(const Map& map, const FeatureSet& features, int keyframes, Pose& T_camera_world,
                   std::span<PointRef> points);
   /// The same from one keyframe.
@@ -46,7 +47,7 @@ class Relocalizer {
   std::vector<PointRef> point_of_observation_;
   const KeyframeDatabase& database_;
   PlaceQuery query_;
-  std::size_t next_ = 0;  // rank of the first keyframe to be tried
+  std::size_t next_ = 0;  // rank of the next keyframe whose turn it is
 };
 
 }  // namespace depthscope::slam

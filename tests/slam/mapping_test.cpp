@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <numbers>
+#include <random>
+
 #include "slam/local_bundle.hpp"
 #include "slam/map_culler.hpp"
 #include "slam/point_creator.hpp"
@@ -273,6 +276,31 @@ TEST(Relocalizer, RefusesAPlaceThatIsNotInTheMap) {
   Pose found;
   std::vector<PointRef> points(400);
   EXPECT_FALSE(relocalizer.relocalize(m.map, features, 8, found, points));
+}
+
+/// However far down the ranks the turn has come with pictures of nothing.
+TEST(Relocalizer, AsksTheMostSimilarKeyframeInEveryPicture) {
+  World world(300);
+  std::mt19937 rng(5);
+  for (int i = 0; i < 300; ++i) {
+    world.points.push_back(-world.points[i]);
+    world.descriptors.push_back(randomDescriptor(rng));
+  }
+  std::vector<Pose> poses = sidewaysPoses(3);
+  for (int i = 0; i < 9; ++i) poses.push_back(cameraAt({0.1 * i, 0, 0}, {0, std::numbers::pi, 0}));
+  MappedWorld m(smallSettings(), world, poses);
+  const KeyframeDatabase database = databaseOf(m);
+  Relocalizer relocalizer(smallSettings(), testCamera(), database);
+  Pose found;
+  std::vector<PointRef> points(400);
+  std::vector<int> ids;
+  const FeatureSet nothing = World(300, 77).view(Pose{}, ids);
+  const FeatureSet known = world.view(poses[1], ids, 0.5);
+  for (int i = 0; i < 9; ++i) {
+    ids.clear();
+    EXPECT_FALSE(relocalizer.relocalize(m.map, nothing, 3, found, points)) << i;
+    EXPECT_TRUE(relocalizer.relocalize(m.map, known, 1, found, points)) << i;
+  }
 }
 
 }  // namespace

@@ -17,6 +17,14 @@ struct FeatureSet {
     keypoints.reserve(capacity);
     descriptors.reserve(capacity);
   }
+  /// Writes to all of its memory, so that a picture need not wait for the system to find it. Empty
+  /// afterwards.
+  void touch() {
+    keypoints.resize(keypoints.capacity());
+    descriptors.resize(descriptors.capacity());
+    keypoints.clear();
+    descriptors.clear();
+  }
   int size() const { return static_cast<int>(keypoints.size()); }
 
   std::vector<Keypoint> keypoints;

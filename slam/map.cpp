@@ -22,6 +22,9 @@ Map::Map(const SlamSettings& settings, const CameraModel& camera)
     k.features = FeatureSet(features, camera);
     k.points.reserve(features);
   }
+  // The picture in which a map begins takes longest anyhow.
+  for (Keyframe& k : std::span(keyframes_).first(std::min<std::size_t>(2, keyframes_.size())))
+    k.features.touch();
   observations_.resize(points_.size() * observations_per_point_);
   scales_.resize(settings.extractor.levels);
   for (std::size_t i = 0; i < scales_.size(); ++i)

@@ -13,7 +13,9 @@ namespace depthscope::slam {
 /// A picture on its way through the tracker.
 struct TrackedFrame {
   TrackedFrame(int features_capacity, const CameraModel& camera)
-      : features(features_capacity, camera), points(features_capacity) {}
+      : features(features_capacity, camera), points(features_capacity) {
+    features.touch();
+  }
 
   FeatureSet features;
   std::vector<PointRef> points;  // per feature: the map point it was recognised as
